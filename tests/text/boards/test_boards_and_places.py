@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from lpslam.config import InstanceConfig, MemoryConfig
 from lpslam.language.model import Naming
 from lpslam.text.boards.boards import boards
-from lpslam.text.boards.lines import lines_of
+from lpslam.text.boards.lines import as_measured, lines_of
 from lpslam.text.boards.overlaps import overlap, without_overlaps
 from lpslam.text.placing.places import Place, places_of_class
 from lpslam.text.remembering.memory import Pool, TextClass, Variant
@@ -472,3 +472,16 @@ def test_a_text_on_glass_does_not_stand_behind_it(sideways: float, stands: int) 
     found = places_of_class(text_class(both, "OPEN"), world, CONFIG, MEMORY)
     assert len(found) == stands
     assert found[0].position[2] == pytest.approx(2.0)
+
+
+def test_a_line_is_said_to_be_as_sure_as_such_lines_are_right() -> None:
+    """Of lines that their readings hold for all but certain some are wrong, and of doubted ones most are right."""
+    stated = [as_measured(sure) for sure in (0.0, 0.1, 0.35, 0.6, 0.9, 0.988, 1.0)]
+    assert stated == sorted(stated)
+    assert stated[0] < 0.001
+    assert stated[2] > 0.45
+    assert 0.8 < stated[4] < 0.9
+    assert 0.95 < stated[5] < 0.975
+    assert stated[6] <= 1.0
+    named, lines = lines_of([replace(place(0, "HARNOW", 0, 0), confidence=0.988)])
+    assert named.confidence == lines[0].confidence == stated[5]

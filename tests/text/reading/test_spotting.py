@@ -331,7 +331,13 @@ def test_what_is_marks_for_the_most_part_is_no_text(raw: str, is_text: bool) -> 
 
 @pytest.mark.parametrize(
     ("read", "text"),
-    [("1.050円", "1,050円"), ("1.05円", "1.05円"), ("1.050", "1.050"), ("12.500元", "12,500元"), ("元1.050", "元1.050")],
+    [
+        ("1.050円", "1,050円"),
+        ("1.05円", "1.05円"),
+        ("1.050", "1.050"),
+        ("12.500元", "12,500元"),
+        ("元1.050", "元1.050"),
+    ],
 )
 def test_a_point_before_three_digits_and_yen_is_a_comma(read: str, text: str) -> None:
     """No price has thousandths of a yen; of a weight, or in other money, it may be a point."""
