@@ -37,7 +37,7 @@ def lines_of(board: Sequence[Place]) -> tuple[LandmarkLine, list[LandmarkLine]]:
     """The line that a board is called by, and all its lines in the order of reading, top to bottom."""
     reference = _levelled(max(board, key=lambda each: (each.width * each.height, -each.id)), board)
     rows = _in_reading_order(board, reference)
-    joined = [piece for row in rows for piece in _pieces(row, board, reference)]
+    joined = _with_prices_below([piece for row in rows for piece in _pieces(row, board, reference)], reference)
     shapes = [_shape(pieces, reference) for pieces in joined]
     main, roles = roles_of(shapes)
     lines = [
@@ -100,8 +100,35 @@ def _pieces(row: Sequence[Place], board: Sequence[Place], reference: Place) -> l
     return lines
 
 
+def _with_prices_below(lines: Sequence[list[Place]], reference: Place) -> list[list[Place]]:
+    """Lines of which those that run down go on with the price that stands below them in their column."""
+    found = list(lines)
+    for price in [each for each in lines if len(each) == 1 and _runs_down(each[0])]:
+        above = [each for each in found if len(each) == 1 and _stands_on(each[0], price[0], reference)]
+        if above:
+            found = [each + price if each is above[0] else each for each in found if each is not price]
+    return found
+
+
+def _stands_on(goods: Place, price: Place, reference: Place) -> bool:
+    """Whether a text that runs down ends right above a price that does, and is in its column."""
+    offset = price.position - goods.position
+    letter = max(goods.letter, price.letter)
+    gap = float(offset @ reference.down) - (goods.height + price.height) / 2.0
+    return (
+        _runs_down(goods)
+        and _is_price_of(goods, price)
+        and abs(float(offset @ reference.baseline)) <= _COLUMN_SHIFT * letter
+        and -letter <= gap <= _WORDS[2] * letter
+    )
+
+
+def _runs_down(place: Place) -> bool:
+    return place.width <= _ACROSS * place.height
+
+
 def _is_price_of(goods: Place, price: Place) -> bool:
-    """Whether a text is the price, in a column of its own, of the goods that stand left of it in its row."""
+    """Whether a text is the price, in a box of its own, of the goods that stand before it in its row or column."""
     return _ratio(goods, price) <= _WORDS[0] and is_bare_price(price.name) and role_by_form(goods.name) is None
 
 
@@ -128,7 +155,7 @@ def _go_on(first: Place, second: Place, reference: Place) -> bool:
     gap = float(offset @ reference.baseline) - (first.width + second.width) / 2.0
     leaning = first.down + second.down
     shifted = min(abs(float(offset @ down)) for down in (reference.down, leaning / np.linalg.norm(leaning)))
-    is_across = first.width > _ACROSS * first.height and second.width > _ACROSS * second.height
+    is_across = not _runs_down(first) and not _runs_down(second)
     return (
         is_across
         and _ratio(first, second) <= ratio
