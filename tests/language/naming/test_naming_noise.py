@@ -86,3 +86,10 @@ def test_a_logo_read_as_a_letter_and_a_brand_at_the_head_of_a_name() -> None:
     assert embedded_model().name([Reading("K歌之王", 5, 0.95), Reading("歌之王", 1, 0.9)]).name == "K歌之王"
     # A slogan read cut off more often than whole.
     assert embedded_model().name([Reading("买一送", 8, 0.95), Reading("买一送一", 3, 0.97)]).name == "买一送一"
+
+
+def test_rarer_words_that_signs_are_painted_with_are_known_in_any_name() -> None:
+    for wrong, right in (("Orsol Tlahouse", "Orsol Teahouse"), ("ORSOL CHOESECAKE", "ORSOL CHEESECAKE")):
+        named = embedded_model().name([Reading(wrong, 5, 0.93, 0.6, 2.0), Reading(right, 4, 0.93, 0.6, 2.0)])
+        assert named.name == right
+        assert named.confidence > 0.9

@@ -74,7 +74,9 @@ class Namer:
     @cached_property
     def _vocabulary(self) -> frozenset[str]:
         """Common words, and rarer ones of signs: an answer that names nothing does not wait for them."""
-        return load_words() | {word for word in _words_of_signs(self._knowledge) if len(word) >= LEAST_RESPELLED}
+        painted = {key for key in self._knowledge.painted if key.isascii() and key.isalpha()}
+        of_signs = _words_of_signs(self._knowledge) | painted
+        return load_words() | {word for word in of_signs if len(word) >= LEAST_RESPELLED}
 
     @cached_property
     def _lost(self) -> LostLetters:
