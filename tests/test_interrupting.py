@@ -94,7 +94,7 @@ PaddleSpotter.detect = detect
 show = RunProgress.update
 def show_and_press(self, progress):
     show(self, progress)
-    if progress.frames == 30:
+    if progress.frames == 20:
         print("pressed at", time.monotonic(), file=sys.stderr)
         signal.getsignal(signal.SIGINT)(signal.SIGINT, None)
 RunProgress.update = show_and_press
@@ -105,11 +105,11 @@ cli.main()
 def test_ctrl_c_does_not_wait_for_a_reader_that_is_behind(clip: Callable[[int], Path], tmp_path: Path) -> None:
     """A dozen frames wait to be read by then, each of which takes a second."""
     (tmp_path / "config.yaml").write_text("text: {reading: {queue_size: 16}}\n")
-    words = [sys.executable, "-c", SLOW_READER, "run", str(clip(60)), "-o", str(tmp_path / "map.lpmap")]
+    words = [sys.executable, "-c", SLOW_READER, "run", str(clip(40)), "-o", str(tmp_path / "map.lpmap")]
     words += ["--config", str(tmp_path / "config.yaml")]
     done = subprocess.run(words, capture_output=True, text=True, timeout=180, check=False)
     ended = time.monotonic()
     assert done.returncode == 130
-    assert LanguageMap.load(tmp_path / "map.partial.lpmap").trajectory.tracked_count == 30
+    assert LanguageMap.load(tmp_path / "map.partial.lpmap").trajectory.tracked_count == 20
     assert "not read for lack of time" in done.stderr
     assert ended - float(done.stderr.split("pressed at")[1].split()[0]) < 4.0

@@ -21,7 +21,7 @@ from lpslam.sources.open import open_source
 from lpslam.text.mapper import TextMapper
 from lpslam.text.reading.spotting_process import SpottingProcess
 
-FRAMES = 45
+FRAMES = 30
 
 
 @pytest.fixture(scope="module")
@@ -91,13 +91,13 @@ def test_it_answers_from_another_thread_while_it_maps(
 
         thread = threading.Thread(target=asking)
         thread.start()
-        for frame in frames[:30]:
+        for frame in frames[:14]:
             session.step(frame.rgb, frame.depth, frame.timestamp)
         over.set()
         thread.join()
     assert not failures
     assert snapshots
-    assert len(session.close().trajectory) == 30
+    assert len(session.close().trajectory) == 14
 
 
 def test_a_live_session_looks_again_before_its_reader_ends_unless_in_a_hurry(

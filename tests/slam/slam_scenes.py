@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from lpslam.camera import PinholeCamera, inverse_transform, transform_points
-from lpslam.config import SlamConfig
+from lpslam.config import CalibrationCheckConfig, FocalCheckConfig, RegistrationCheckConfig, SlamConfig
 from lpslam.slam.features import Features
 from lpslam.slam.kernels.geometry import exponential
 from lpslam.slam.kernels.graph import MapColumns
@@ -16,6 +16,9 @@ from lpslam.slam.sensor import SensorModel
 CAMERA = PinholeCamera(width=640, height=480, fx=525.0, fy=520.0, cx=318.2, cy=243.7)
 SENSOR = SensorModel.of(CAMERA, SlamConfig())
 BASELINE_FX = float(SENSOR.intrinsics[4])
+
+UNCHECKED = CalibrationCheckConfig(focal=FocalCheckConfig(pairs=0), registration=RegistrationCheckConfig(frames=0))
+"""For recordings that are opened for what they show, and not for whether their calibration is right."""
 
 LOOKING_AHEAD = np.array([[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 """world_from_camera of a camera at the origin that looks along x, with z up."""
