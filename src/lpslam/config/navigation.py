@@ -43,6 +43,10 @@ class NavigationConfig(Section):
     turned_away_cost: float = Field(default=10.0, ge=0)
     # Times the straight way within which a place lies between two others.
     detour: float = Field(default=1.5, ge=1)
+    # Share of the way between two places by which it is longer past what stands between them, not across from there.
+    pair_detour: float = Field(default=0.05, ge=0)
+    # Places that each of two anchors may be, where it is not sure which is meant.
+    pair_likely: int = Field(default=2, ge=1)
     # Metres of height between neighbouring signs of two floors: signs of one hang closer together.
     floor_height: float = Field(default=2.0, gt=0)
     # Boards with room numbers that must agree on what a floor is called.

@@ -14,6 +14,7 @@ from lpslam.language.wishes.form import PREVIOUS, Counting, Relation, Stop, Whic
 from lpslam.language.wishes.served import Scorer, Served, Way
 from lpslam.language.wishes.sorts import others_alike
 from lpslam.navigation.columns import Near, Serving, apart_from, detours
+from lpslam.navigation.pairs import likely_places, meant_pair
 from lpslam.navigation.places import Distances, Here, Place, Point, Straight
 from lpslam.navigation.relations import PAIRED, Judged, Scene, between, on_the_way
 from lpslam.navigation.sites import Sites
@@ -115,6 +116,12 @@ class _Solver:
             start = previous.position if is_later and previous is not None else self._scene.here.position
             return self._ordered(served, start, notes)
         anchors = [self._anchors(each, previous) for each in stop.anchor]
+        if stop.relation is Relation.BETWEEN and not stop.what and len(anchors) > 1:
+            likely = [
+                [*found, *likely_places(self._scorer.serve(each), self._scene)]
+                for each, found in zip(stop.anchor, anchors, strict=True)
+            ]
+            anchors = meant_pair(anchors, likely, self._scene)
         missing = [each.what for each, found in zip(stop.anchor, anchors, strict=True) if not found]
         if missing:
             notes.append(f"{' and '.join(missing)}: not on this map, so “{stop.relation.value}” cannot be decided")
@@ -183,6 +190,11 @@ class _Solver:
     def _left(self, served: Served, out: set[int]) -> Served:
         """What serves without what is left out; of its sort where there are others: a room, not room 201."""
         left = {id_: score for id_, score in served.scores.items() if id_ not in out}
+        best = max(served.scores.values(), default=0.0)
+        near = {id_ for id_, score in served.scores.items() if score >= self.config.equal_share * best}
+        if near & out and near - out:
+            # “A classroom, not Nordkette”: what is left out is of what is wanted, so that was understood.
+            served = replace(served, sure=max(served.sure, LEAST_SURE * served.strictness))
         names = self._scene.sites.by_id
         alike = others_alike((names[id_].name for id_ in out), {id_: names[id_].name for id_ in left})
         return replace(served, scores={id_: left[id_] for id_ in alike} or left)

@@ -76,3 +76,16 @@ def test_what_is_left_serves(question: str, boards: Sequence[str], board: str | 
 )
 def test_numbers_and_kinds_are_left_out(question: str, boards: Sequence[str], board: str) -> None:
     assert found(question, boards) == board
+
+
+def test_refusals_tell_places_of_a_sort_apart() -> None:
+    for question, boards, board in (
+        ("locker room, but not the guys one", ("Boys’ Locker Room", "Girls’ Locker Room", "Gym"), "Girls’ Locker Room"),
+        ("to the kennels, not Block A though", ("Kennel Block A", "Kennel Block B", "Office"), "Kennel Block B"),
+        (
+            "上课的教室，不是Nordkette那间",
+            ("Kursraum Nordkette", "Kursraum Patscherkofel", "WC"),
+            "Kursraum Patscherkofel",
+        ),
+    ):
+        assert found(question, boards) == board

@@ -36,7 +36,16 @@ from lpslam.language.wishes.form import (
     Wish,
 )
 from lpslam.language.wishes.polarity import parted_by_clauses
-from lpslam.language.wishes.rules import LONGEST, Row, Rules, content_left, person_of, rules_of
+from lpslam.language.wishes.rules import (
+    LONGEST,
+    Rules,
+    ask_of,
+    content_left,
+    orders_of,
+    person_of,
+    relation_of,
+    rules_of,
+)
 from lpslam.language.wishes.sorts import attributes_of
 
 _ENDS = " .。!！?？,，、;；¿¡"
@@ -56,6 +65,8 @@ _TITLE = re.compile(r"\b(Dr|Dra|Prof|Mrs?|Ms|Sra?|Mme|St|med)\. ")  # its point 
 _LATIN = re.compile("[A-Za-z]")
 _GLOSS = re.compile(r"[\d\u3040-\u30ff\u3400-\u9fff\uac00-\ud7a3]+\s*\(((?=[^)]*[a-z])[A-Z][A-Za-z\d .&'’-]*)\)")
 """“2号拍卖场(Sale Ring 2)”: a name in brackets, in another script, is what the board says."""
+_LAST_CODE = re.compile(r"(?<![^\W\d_])(?<!\d)(?:[A-Z]|\d+[A-Z]?)$")
+_BARE_CODE = re.compile(r"(?:(?:the|la|el|le|der|die|das|dem|den) )?([A-Z]|\d+[A-Z]?)")
 _POSSESSIVE = re.compile(r"['’]s?$")
 
 
@@ -151,7 +162,7 @@ def _among(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Stop 
     for language in languages:
         rules = rules_of(language)
         found = rules.first("among", text)
-        order, rank = (None, 1) if found is None else next(iter(_orders(text, (language,))), (None, 1))
+        order, rank = (None, 1) if found is None else next(iter(orders_of(text, (language,))), (None, 1))
         if found is None or (order is None and "which" not in found[0].then):
             continue
         order = order or Which(found[0].then["which"])  # “离药房近的是A还是B”
@@ -195,14 +206,14 @@ def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: in
     text = _GLOSS.sub(r"\1", text)
     asked, whole = asked_time(text) if depth == 0 else None, text
     text = text if asked is None else asked.rest
-    ask, ask_language = _asked(text, languages)
+    ask, ask_language = ask_of(text, languages)
     rules = rules_of(ask_language)
     what, without, torn = _without(text, languages, knowledge, depth)
     placed = _placed(what, languages, knowledge, depth)
     stop, what = placed if placed is not None else (Stop(text), what)
     floor, bare, is_torn = floor_of(what, languages[0] if languages else None)
     unplaced, what = (what, bare) if floor is not None else ("", what)
-    order, place = next(iter(_orders(what, languages)), (None, 1))
+    order, place = next(iter(orders_of(what, languages)), (None, 1))
     if order is not None and (stop.which is Which.ANY or place > 1):
         stop = replace(stop, which=order, rank=place)
     left = content_left(what, rules)
@@ -217,7 +228,7 @@ def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: in
         left = ""
     is_any = ask in OF_ANY_PLACE or (not left and (is_placed or ask is Ask.LIST))
     which = stop.which
-    opposed = sorted({each.value for each, _ in _orders(what, languages)} & _OPPOSED)
+    opposed = sorted({each.value for each, _ in orders_of(what, languages)} & _OPPOSED)
     if which is Which.ANY and ask in LISTED:
         which = Which.ALL
     return replace(
@@ -240,7 +251,7 @@ def _placed(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: 
     text = _CLAUSE_END.sub(",", text)
     for language in languages:
         text = rules_of(language)["unsaid"].sub("", text)
-    relation = _related(text, languages) if depth < _DEEPEST else None
+    relation = relation_of(text, languages) if depth < _DEEPEST else None
     if relation is None:
         return None
     row, match, rules = relation
@@ -250,6 +261,7 @@ def _placed(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: 
     if before is not None:
         # “I look at the bakery; what is left of it?”
         groups["anchor"], what = before.groups()
+    groups["second"] = _of_the_same(groups["anchor"], groups.get("second", ""))
     anchors = tuple(
         _anchor(groups[name], languages, knowledge, rules, depth) for name in ("anchor", "second") if groups.get(name)
     )
@@ -277,6 +289,12 @@ def _placed(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: 
         same_side=bool(groups.get("side")),
     )
     return stop, what
+
+
+def _of_the_same(first: str, second: str) -> str:
+    """The second of two anchors; where it is a letter or number alone, what the first is: “between arms A and C”."""
+    code, bare = _LAST_CODE.search(first), _BARE_CODE.fullmatch(second)
+    return second if code is None or bare is None else first[: code.start()] + bare.group(1)
 
 
 def _without(
@@ -323,7 +341,7 @@ def _is_the_same(what: str, out: str, languages: tuple[str, ...], knowledge: Kno
     asked, left = (
         set(_uncommon(content_left(each, rules_of(languages[0])), languages, knowledge).split()) for each in (what, out)
     )
-    is_ordered = bool(_orders(out, languages)) or _related(out, languages) is not None
+    is_ordered = bool(orders_of(out, languages)) or relation_of(out, languages) is not None
     return (
         bool(left)
         and left <= asked
@@ -340,10 +358,10 @@ def _numbered_alike(what: str, out: str) -> tuple[Stop, ...]:
 
 
 def _told_alike(what: str, out: str, languages: tuple[str, ...]) -> tuple[Stop, ...]:
-    """What is left out by its number, or by the person whom it names."""
+    """What is left out by its number or letter, or by the person whom it names."""
     if person_of(out, languages) is not None:
         return (Stop(out, identity=_identity(out, languages), whole=out),)
-    return _numbered_alike(what, out) if any(ch.isdigit() for ch in out) else ()
+    return _numbered_alike(what, out)
 
 
 def _uncommon(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> str:
@@ -358,37 +376,6 @@ def _anchor(text: str, languages: tuple[str, ...], knowledge: Knowledge, rules: 
     stop = _stop(text, languages, knowledge, depth=depth + 1)
     is_stood_at = stop.relation is Relation.BEFORE and not stop.what and not depth  # “in front of X, what is left?”
     return stop.anchor[0] if is_stood_at else replace(stop, ask=Ask.WHERE)
-
-
-def _asked(text: str, languages: tuple[str, ...]) -> tuple[Ask, str]:
-    for language in languages:
-        found = rules_of(language).first("asks", text)
-        if found is not None:
-            return Ask(found[0].then["ask"]), language
-    return Ask.WHERE, languages[0] if languages else "en"
-
-
-def _orders(text: str, languages: tuple[str, ...]) -> list[tuple[Which, int]]:
-    """All orders that are asked for, each with its rank, in the first language that has any."""
-    for language in languages:
-        rules, found = rules_of(language), list[tuple[Which, int]]()
-        for row, match in rules.holding("orders", text):
-            said = (value for name, value in match.groupdict().items() if name.startswith("rank") and value)
-            found.append((Which(row.then["which"]), rules.ranks.get(next(said, "").casefold(), 1)))
-        if found:
-            return found
-    return []
-
-
-def _related(text: str, languages: tuple[str, ...]) -> tuple[Row, re.Match[str], Rules] | None:
-    for language in languages:
-        rules = rules_of(language)
-        for row, match in rules.holding("relations", text):
-            if content_left(match.group("anchor"), rules, least=1):
-                return row, match, rules
-            if rules["previous"].match(match.group("anchor").strip(_ENDS)):
-                return row, match, rules
-    return None
 
 
 def _identity(text: str, languages: tuple[str, ...]) -> tuple[Identity, ...]:

@@ -4,8 +4,12 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import cache
 
+import numpy as np
+
 from lpslam.language.choosing.guessing import LEAST_SURE
 from lpslam.language.choosing.landmark_index import LandmarkIndex
+from lpslam.language.choosing.meaning import load_senses
+from lpslam.language.choosing.serving import best_of
 from lpslam.language.questions.wanted import Wish as Meaning
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.wishes.board_words import BoardWords
@@ -21,6 +25,12 @@ _LEAST_CONFIRMED = 0.1  # probability of what serves the rest, where what is ref
 _AS_WANTED = 0.5  # of the best score: what may be wanted where the best is refused
 _HAS = 0.7  # of how well a place serves what it has of its own
 
+_FEWEST_TO_TELL_APART = 2
+_FIRST_OF_ALL = 0.9  # of a kind that a place is
+_NEARER = 0.05  # by which the cosine of what is refused and a board leads, where that board is left out
+
+Parts = tuple[str, Sequence[str]]
+"""What a text wants, and each thing that it refuses."""
 Serving = Callable[[Stop], Served]
 
 
@@ -39,7 +49,40 @@ class Refusing:
         if parts is None:
             return served
         stop = replace(served.stop, what="", kinds=(), refused=(), language=language)
-        rest_of, served = cache(lambda: _as_told(self._serve(replace(stop, what=parts[0])))), _as_told(served)
+        rest_of = cache(lambda: _as_told(self._serve(replace(stop, what=parts[0]))))
+        left = self._less(served, meaning, parts, stop, rest_of)
+        elsewhere = self._serving(meaning.refused) | _nearly_best(rest_of())
+        return left if elsewhere - left.scores.keys() else self._told_by_refusal(left, parts[1])
+
+    def _told_by_refusal(self, left: Served, refused: Sequence[str]) -> Served:
+        """What is left where none is left out yet, without the one of a sort that comes nearest to what is refused.
+
+        A refusal tells places that serve alike apart: of two registries “not the one for crimes” is the other.
+        """
+        ids = self._of_one_sort(left)
+        if len(ids) < _FEWEST_TO_TELL_APART:
+            return left
+        senses = load_senses()
+        boards = senses.boards([self._index.name_of[id_] for id_ in ids])
+        alike = np.max([boards @ senses.asked(each) for each in refused], axis=0)
+        second, first = np.argsort(alike)[-2:]
+        if alike[first] - alike[second] < _NEARER:
+            return left
+        return replace(left, scores={id_: score for id_, score in left.scores.items() if id_ != ids[first]})
+
+    def _of_one_sort(self, served: Served) -> list[int]:
+        """Of the landmarks that come near the best, those whose boards are of a kind that it is."""
+        first = {
+            id_: {kind for kind, weight in self._index.signs[id_].kinds if weight >= _FIRST_OF_ALL}
+            for id_ in _nearly_best(served)
+        }
+        return sorted(id_ for id_, kinds in first.items() if kinds & first[best_of(served.scores)])
+
+    def _less(
+        self, served: Served, meaning: Meaning, parts: Parts, stop: Stop, rest_of: Callable[[], Served]
+    ) -> Served:
+        """What serves, less what is refused by the words of boards, by what tables read, or by what serves it."""
+        language, served = stop.language or "en", _as_told(served)
         named = {id_ for name in meaning.refused_names for id_ in self._index.ids_of.get(name, ())}
         alike: set[int] = set()
         for each in parts[1]:
@@ -106,6 +149,12 @@ class Refusing:
         groups = self._index.members
         matches = (self._index.matches(concept) for concept in concepts)
         return {id_ for found in matches for at, share in found.items() if share >= _HAS for id_ in groups[at]}
+
+
+def _nearly_best(served: Served) -> set[int]:
+    """The landmarks that come near the best one."""
+    least = _AS_WANTED * max(served.scores.values(), default=0.0)
+    return {id_ for id_, score in served.scores.items() if score >= least}
 
 
 def _as_told(served: Served) -> Served:

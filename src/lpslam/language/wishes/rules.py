@@ -14,6 +14,7 @@ from typing import Any
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.patterns import keep_ready, ready
+from lpslam.language.wishes.form import Ask, Which
 from lpslam.language.wishes.numerals import ordinals
 
 _NAMED = re.compile(r"(?<!\(\?P)<(\w+)>")
@@ -136,6 +137,39 @@ def content_left(text: str, rules: Rules, least: int = 1) -> str:
 def content_of(text: str, languages: Sequence[str]) -> str:
     """Return what is left of a text without the filler of its likeliest language."""
     return content_left(clean_text(text, LONGEST).strip(_ENDS), rules_of(languages[0]))
+
+
+def ask_of(text: str, languages: tuple[str, ...]) -> tuple[Ask, str]:
+    """Return what a text asks, and in which language it says so."""
+    for language in languages:
+        found = rules_of(language).first("asks", text)
+        if found is not None:
+            return Ask(found[0].then["ask"]), language
+    return Ask.WHERE, languages[0] if languages else "en"
+
+
+def orders_of(text: str, languages: tuple[str, ...]) -> list[tuple[Which, int]]:
+    """Return all orders that are asked for, each with its rank, in the first language that has any."""
+    for language in languages:
+        rules, found = rules_of(language), list[tuple[Which, int]]()
+        for row, match in rules.holding("orders", text):
+            said = (value for name, value in match.groupdict().items() if name.startswith("rank") and value)
+            found.append((Which(row.then["which"]), rules.ranks.get(next(said, "").casefold(), 1)))
+        if found:
+            return found
+    return []
+
+
+def relation_of(text: str, languages: tuple[str, ...]) -> tuple[Row, re.Match[str], Rules] | None:
+    """Return the first row of a relation whose anchor is told, where it stands, and its language's rules."""
+    for language in languages:
+        rules = rules_of(language)
+        for row, match in rules.holding("relations", text):
+            if content_left(match.group("anchor"), rules, least=1):
+                return row, match, rules
+            if rules["previous"].match(match.group("anchor").strip(_ENDS)):
+                return row, match, rules
+    return None
 
 
 def person_of(text: str, languages: Iterable[str]) -> str | None:
