@@ -59,3 +59,16 @@ def test_a_few_sounds_in_a_longer_question_are_no_name(question: str) -> None:
 
 def test_of_two_names_that_sound_the_same_none_is_guessed() -> None:
     assert found("feeniks", ("Feenyx", "Fenyx", "Bauamt")) is None
+
+
+def test_a_name_of_another_script_stands_by_itself_among_other_words() -> None:
+    boards = ("The Heron Bar", "Puppy Room", "湯上がり処 つばき", "Dramaturgie", "Cae Onnen / Ash Field", "Reception")
+    for question, board in (
+        ("헤론 바", "The Heron Bar"),
+        ("퍼피룸 어디예요?", "Puppy Room"),
+        ("츠바키라는 쉬는 곳이요", "湯上がり処 つばき"),
+        ("드라마투르기 사무실이 어디예요", "Dramaturgie"),
+        ("アッシュフィールドってどこですか", "Cae Onnen / Ash Field"),
+        ("텔레비전 어디예요", None),
+    ):
+        assert found(question, boards) == board

@@ -21,6 +21,7 @@ _KEPT = 8  # texts whose words are kept: a stop and its parts
 _FEW = 8  # boards that bear a word which may tell one of them
 _FEWEST_OWN = 2  # characters of the part of such a name that is its own
 _PARTICLE = re.compile(r"$|[^가-힣]|[은는이가을를에로의도와과]|까지|으로|하고|쪽|이요")
+_BY_ITSELF = re.compile(r"[가-힣]{2,}?(?=(?:이?라는|[은는이가을를에]|으로|로|까지|하고)?(?:[^가-힣]|$))|[ァ-ヴー]{3,}")
 _NAMED = 0.9  # of a part of a name
 _MOST_OF_IT = 0.7  # of the letters that are asked for: a name, with a particle
 _MOST_OF_A_NAME = 0.5  # of a name's letters that are asked for, where each word by itself means something else
@@ -96,7 +97,7 @@ class SaidNames:
         found: dict[int, int] = {}
         for id_ in self._near(text, said):
             own = self._own(self._name(id_))
-            if own and not self._is_known(own) and self._stands_in(text, own):
+            if own and not self.is_known(own) and self._stands_in(text, own):
                 found[id_] = len(own)
         longest = max(found.values(), default=0)
         return [id_ for id_, letters in found.items() if letters == longest]
@@ -194,7 +195,8 @@ class SaidNames:
         own = "".join(name[: min(ends, default=0)])
         return own if len(own) >= _FEWEST_OWN else ""
 
-    def _is_known(self, run: str) -> bool:
+    def is_known(self, run: str) -> bool:
+        """Whether tables know a run of a script without spaces as one phrase."""
         units = list(run)
         return any(
             span.end - span.start == len(units)
@@ -310,7 +312,18 @@ class BoardWords:
             (self._names.sounding(words, is_all=True) if proper else {})
             or (self._names.sounding(proper, is_all=True) if is_name else {})
             or self._names.sounding(proper)
+            or self._by_sound_alone(text, meaning)
         )
+
+    def _by_sound_alone(self, text: str, meaning: Meaning) -> dict[int, float]:
+        """The one landmark whose name sounds like a word of Hangul or katakana that stands by itself: 헤론 바."""
+        if self.refuses(text, meaning):
+            return {}
+        found: dict[int, float] = {}
+        for word in _BY_ITSELF.findall(text):
+            if not self._said.is_known(word):
+                found |= self._names.sounding([word]) or self._names.sounding([word], is_all=True)
+        return found if len(found) == 1 else {}
 
     def are_others(self, text: str, meaning: Meaning, ids: Iterable[int]) -> bool:
         """Whether a text names one of a kind, and some landmarks all bear other names."""

@@ -26,6 +26,8 @@ _LONG = 5  # letters of a word in which a slip is forgiven
 _STEM, _STEM_SHARE = 5, 0.6  # letters with which words begin alike, at least, and their share of the shorter one
 _LETTERS_A_SLIP = 6  # of a whole name, for each slip that is forgiven in it
 _DIGITS = re.compile(r"\d").findall
+_HANGUL = re.compile("[\uac00-\ud7a3]+")
+_SOUNDS_OF_HANGUL = (("cheu", "tsu"), ("eu", ""), ("eo", "o"), ("l", "r"))
 _KEPT = 256  # words of which it is kept who bears them
 _SHORTEST = 4  # letters of a surname that is known by its sound
 
@@ -267,4 +269,12 @@ def pairs_of(runs: Sequence[str]) -> list[str]:
 
 
 def _latin(text: str) -> str:
-    return re.sub(r"[^a-z0-9]", "", anyascii(text).casefold())
+    # Hangul writes l for r, and puts a vowel after every consonant; a small ッ doubles the next one.
+    spelt = _HANGUL.sub(lambda run: _hangul(anyascii(run.group()).casefold()), text.replace("ッ", ""))
+    return re.sub(r"[^a-z0-9]", "", anyascii(spelt).casefold())
+
+
+def _hangul(spelt: str) -> str:
+    for letters, sound in _SOUNDS_OF_HANGUL:
+        spelt = spelt.replace(letters, sound)
+    return spelt
