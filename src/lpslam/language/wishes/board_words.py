@@ -23,6 +23,7 @@ _FEWEST_OWN = 2  # characters of the part of such a name that is its own
 _PARTICLE = re.compile(r"$|[^가-힣]|[은는이가을를에로의도와과]|까지|으로|하고|쪽|이요")
 _BY_ITSELF = re.compile(r"[가-힣]{2,}?(?=(?:이?라는|[은는이가을를에]|으로|로|까지|하고)?(?:[^가-힣]|$))|[ァ-ヴー]{3,}")
 _NAMED = 0.9  # of a part of a name
+_FEW_WORDS = 3  # of a question in which a name of few sounds is heard beside other words
 _MOST_OF_IT = 0.7  # of the letters that are asked for: a name, with a particle
 _MOST_OF_A_NAME = 0.5  # of a name's letters that are asked for, where each word by itself means something else
 _NAME = re.compile(r"(?<=[a-zà-ÿ] )[A-Z][\w'’-]* (?:[A-Z&][\w'’-]* ?)+")  # “is there a Burger King”
@@ -320,9 +321,10 @@ class BoardWords:
         if self.refuses(text, meaning):
             return {}
         found: dict[int, float] = {}
+        is_brief = len(text.split()) <= _FEW_WORDS
         for word in _BY_ITSELF.findall(text):
             if not self._said.is_known(word):
-                found |= self._names.sounding([word]) or self._names.sounding([word], is_all=True)
+                found |= self._names.sounding([word]) or self._names.sounding([word], is_all=is_brief)
         return found if len(found) == 1 else {}
 
     def are_others(self, text: str, meaning: Meaning, ids: Iterable[int]) -> bool:

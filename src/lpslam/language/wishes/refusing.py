@@ -27,7 +27,7 @@ _HAS = 0.7  # of how well a place serves what it has of its own
 
 _FEWEST_TO_TELL_APART = 2
 _FIRST_OF_ALL = 0.9  # of a kind that a place is
-_NEARER = 0.05  # by which the cosine of what is refused and a board leads, where that board is left out
+_NEARER = 0.08  # by which the cosine of what is refused and a board leads, where that board is left out
 
 Parts = tuple[str, Sequence[str]]
 """What a text wants, and each thing that it refuses."""
