@@ -2,9 +2,11 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from lpslam.language.wishes.served import Served
 from lpslam.navigation.places import Place
-from lpslam.navigation.relations import Scene, between
+from lpslam.navigation.relations import Scene
 
 
 def likely_places(served: Served, scene: Scene) -> list[Place]:
@@ -25,7 +27,8 @@ def meant_pair(found: Sequence[Sequence[Place]], likely: Sequence[Sequence[Place
     Returns:
         What was found, where two of it have one place between them or no two of the likely ones have; else those two.
     """
-    if _closest(found, scene) is not None:
+    # Of many of a kind the two that are nearest are meant.
+    if max(map(len, found)) > scene.config.pair_likely + 1 or _closest(found, scene) is not None:
         return [list(each) for each in found]
     pair = _closest(likely, scene)
     return [list(each) for each in found] if pair is None else [[place] for place in pair]
@@ -39,7 +42,8 @@ def _closest(anchors: Sequence[Sequence[Place]], scene: Scene) -> tuple[Place, P
 
 
 def _is_close(one: Place, two: Place, scene: Scene) -> bool:
-    """Whether one place alone stands between two others."""
-    most = scene.config.pair_detour * scene.ways.distance(one.position, two.position)
-    others = (place for place in scene.places if place not in (one, two))
-    return one is not two and sum(between(place, one, two, scene).cost <= most for place in others) == 1
+    """Whether one place alone stands between two others, on the straight way."""
+    apart = float(np.linalg.norm(one.position - two.position))
+    to_one, to_two = (np.linalg.norm(scene.sites.positions - each.position, axis=1) for each in (one, two))
+    is_on_the_way = (to_one + to_two <= (1.0 + scene.config.pair_detour) * apart) & (np.maximum(to_one, to_two) < apart)
+    return one is not two and int(is_on_the_way.sum()) == 1
