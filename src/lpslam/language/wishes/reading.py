@@ -41,6 +41,7 @@ from lpslam.language.wishes.rules import (
     Rules,
     ask_of,
     content_left,
+    each_of,
     orders_of,
     person_of,
     relation_of,
@@ -327,7 +328,10 @@ def _without(
             if is_told and not (stop.identity or is_ordered):
                 # “The lounge that isn't the blue one”, “changing rooms, but not those for women”.
                 return what, (replace(stop, what=f"{what} {out}"),), ""
-            return what, (replace(stop, what=what) if is_one and not left and not stop.identity else stop,), ""
+            if is_one:
+                return what, (replace(stop, what=what) if not left and not stop.identity else stop,), ""
+            # “Neither the piano nor the violin” are two places.
+            return what, tuple(_stop(each, languages, knowledge, _DEEPEST - 1) for each in each_of(out)), ""
     parts = parted_by_clauses(text, languages[0]) if depth == 0 and languages else None
     told = [_told_alike(parts[0], each, languages) for each in parts[1]] if parts else []
     if parts is not None and all(told) and not asked_codes(parts[0]):
