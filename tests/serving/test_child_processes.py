@@ -11,6 +11,7 @@ import pytest
 
 from lpslam.config import Config
 from lpslam.isolated import python_command
+from lpslam.serving import processes
 from lpslam.serving.answerers import AnswerLostError, ProcessAnswerer
 from lpslam.serving.atlas import Atlas
 from lpslam.serving.hub import Hub
@@ -55,6 +56,19 @@ def test_whoever_is_cancelled_leaves_no_process(count: int) -> None:
         with pytest.raises(asyncio.CancelledError):
             await using
 
+    assert leaves_nothing(run)
+
+
+def test_a_loop_that_ends_before_its_process_leaves_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    """`asyncio.run` cancels every task at its end, also the one that waits; a loaded machine ends a process late."""
+
+    async def run() -> None:
+        process = await started(SLEEPS, dict(os.environ))
+        ending = asyncio.ensure_future(ended(process))
+        await turns(2)
+        assert not ending.done()
+
+    monkeypatch.setattr(processes, "kill", lambda process: None)
     assert leaves_nothing(run)
 
 

@@ -4,12 +4,15 @@ import asyncio
 import contextlib
 import os
 import signal
+import subprocess
 from asyncio.subprocess import PIPE, Process
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
 _Result = TypeVar("_Result")
+_PATIENCE = 5.0
+"""Seconds until a killed process is gone, where no loop waits for it any more; it takes a thousandth of one."""
 
 
 async def started(
@@ -45,7 +48,12 @@ async def ended(process: Process) -> None:
     finally:
         # Only with its transport closed is a process released before the loop ends; no public name leads to it.
         if (transport := getattr(process, "_transport", None)) is not None:
+            child: subprocess.Popen[bytes] | None = transport.get_extra_info("subprocess")
             transport.close()
+            if child is not None and child.returncode is None:
+                # The loop ends, and the thread that waits for the process would tell nobody. Closing has killed it.
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    child.wait(_PATIENCE)
 
 
 def kill(process: Process) -> None:
