@@ -6,7 +6,7 @@ DepthMapFactor) under OpenCV's `%YAML:1.0`.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -15,9 +15,11 @@ import numpy as np
 
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
+from lpslam.sources.calibrations.azure_raw import states_azure, tree_of_azure
 from lpslam.sources.calibrations.depth_units import DEPTH_DISPLACEMENT, DEPTH_SCALE, depth_unit, states_depth_unit
 from lpslam.sources.calibrations.forms import read_tree
 from lpslam.sources.registering.displacement import DepthDisplacement
+from lpslam.sources.registering.lens_fit import WORTH_SAYING, five_of
 from lpslam.sources.yaml_tree import Tree
 
 _MATRICES = ("k", "camera_matrix", "intrinsic_matrix", "intrinsics", "intrinsic", "matrix")
@@ -33,6 +35,7 @@ _PAIRS = {
 }
 _WIDTH = ("width", "image_width", "w")
 _HEIGHT = ("height", "image_height", "h")
+_DEPTH_WIDTH, _DEPTH_HEIGHT = ("dw", "depth_width", "depth_w"), ("dh", "depth_height", "depth_h")
 _RESOLUTION = ("resolution", "image_size", "size")
 _DISTORTION = ("distortion", "distortion_coefficients", "distortion_coeffs", "dist_coeffs", "coeffs", "dist", "d")
 _KINDS = ("radial", "tangential")
@@ -55,12 +58,14 @@ class Calibration:
         notes: what had to be assumed, one sentence each.
         displacement: how depth lies beside colour, if not on it.
         is_scale_assumed: whether no depth scale is stated.
+        depth_size: width and height of depth that shows the same view in fewer pixels, where that is stated.
     """
 
     camera: PinholeCamera
     notes: tuple[str, ...]
     displacement: DepthDisplacement | None = None
     is_scale_assumed: bool = False
+    depth_size: tuple[int, int] | None = None
 
 
 def read_calibration(
@@ -77,12 +82,23 @@ def read_calibration(
         UserError: the file cannot be read, or a value is missing, ill-typed or not supported; names key and file.
     """
     tree, is_worded = read_tree(path, image_size, states_camera)
+    calibration = calibration_of(tree, path, image_size, default_depth_scale)
+    if not is_worded:
+        return calibration
+    return replace(calibration, notes=(f"{path.name} is read from its words", *calibration.notes))
+
+
+def calibration_of(
+    tree: Tree, path: Path, image_size: tuple[int, int] | None = None, default_depth_scale: float = 1000.0
+) -> Calibration:
+    """The calibration that a tree of lower-case keys states; arguments and errors as of `read_calibration`."""
+    tree = tree_of_azure(tree, image_size) or tree
     sections = list(_sections(tree))
     section, *around = next((scopes for scopes in sections if _has_intrinsics(scopes[0])), (tree,))
     # What the camera's own section leaves out may stand around it, or in a section that several cameras share.
     shared = [scopes[0] for scopes in sections if len(scopes) == 2 and not _has_intrinsics(scopes[0])]
     scopes = (section, *around, *shared)
-    notes = [f"{path.name} is read from its words"] if is_worded else []
+    notes: list[str] = []
     stated = _size(scopes, path)
     fx, fy, cx, cy = _intrinsics(section, stated or image_size, path, notes)
     if any(scope.get(key) is True for scope in scopes for key in _MODELS_NOT_SUPPORTED):
@@ -96,35 +112,35 @@ def read_calibration(
         width, height = image_size
     if not width:
         raise UserError(f"calibration {path}: width is missing; add width and height in pixels")
-    scale = _depth_scale(tree, scopes, path)
-    is_scale_assumed = scale is None
-    if scale is None:
-        scale = default_depth_scale
-        notes.append(f"{path.name} states no depth_scale: {scale:g} raw units in a metre are assumed")
-    elif scale < 1:
-        notes.append(f"{path.name} states depth_scale {scale:g}, taken as metres in a raw unit")
-        scale = 1 / scale if scale > 0 else scale
+    scale, is_scale_assumed = _units(tree, scopes, path, default_depth_scale, notes)
     fps = _find(scopes, _FPS)
+    rate = 30.0 if fps is None else _number(fps, "fps", path)
     try:
-        camera = PinholeCamera(
-            width,
-            height,
-            fx,
-            fy,
-            cx,
-            cy,
-            _distortion(scopes, path),
-            scale,
-            30.0 if fps is None else _number(fps, "fps", path),
-        )
+        distortion = _distortion(scopes, path, (width, height), (fx, fy, cx, cy), notes)
+        camera = PinholeCamera(width, height, fx, fy, cx, cy, distortion, scale, rate)
     except UserError as error:
         raise error if str(path) in str(error) else UserError(f"{path}: {error}") from error
-    return Calibration(camera, tuple(notes), _displacement(scopes, path), is_scale_assumed)
+    displacement = _displacement(scopes, path)
+    if displacement is not None and share != 1.0:
+        displacement = displacement.resized(share)
+    return Calibration(camera, tuple(notes), displacement, is_scale_assumed, _depth_size(scopes, (width, height)))
+
+
+def _units(tree: Tree, scopes: tuple[Tree, ...], path: Path, default: float, notes: list[str]) -> tuple[float, bool]:
+    """Raw units of depth in a metre, and whether they are assumed."""
+    scale = _depth_scale(tree, scopes, path)
+    if scale is None:
+        notes.append(f"{path.name} states no depth_scale: {default:g} raw units in a metre are assumed")
+        return default, True
+    if scale < 1:
+        notes.append(f"{path.name} states depth_scale {scale:g}, taken as metres in a raw unit")
+        scale = 1 / scale if scale > 0 else scale
+    return scale, False
 
 
 def states_camera(tree: Tree) -> bool:
     """Whether a tree of keys states focal lengths, or a field of view."""
-    return any(_has_intrinsics(scopes[0]) for scopes in _sections(tree))
+    return states_azure(tree) or any(_has_intrinsics(scopes[0]) for scopes in _sections(tree))
 
 
 def _scaling(stated: tuple[int, int], images: tuple[int, int] | None, middle: tuple[float, float]) -> float:
@@ -156,6 +172,8 @@ def _understood() -> set[str]:
         _FPS,
         _WIDTH,
         _HEIGHT,
+        _DEPTH_WIDTH,
+        _DEPTH_HEIGHT,
         _MATRICES,
     )
     return {key for group in (*keys, _DISTORTION_MODEL) for key in group}
@@ -269,7 +287,21 @@ def _size(scopes: tuple[Tree, ...], path: Path) -> tuple[int, int] | None:
     return int(size[0]), int(size[1])
 
 
-def _distortion(scopes: tuple[Tree, ...], path: Path) -> tuple[float, float, float, float, float]:
+def _depth_size(scopes: tuple[Tree, ...], size: tuple[int, int]) -> tuple[int, int] | None:
+    """The stated size of depth, where it has the same shape as colour's: such depth shows the same view."""
+    width, height = _find(scopes, _DEPTH_WIDTH), _find(scopes, _DEPTH_HEIGHT)
+    if not isinstance(width, (int, float)) or not isinstance(height, (int, float)) or not 0 < width < size[0]:
+        return None
+    return (int(width), int(height)) if width * size[1] == height * size[0] else None
+
+
+def _distortion(
+    scopes: tuple[Tree, ...],
+    path: Path,
+    size: tuple[int, int],
+    matrix: tuple[float, float, float, float],
+    notes: list[str],
+) -> tuple[float, float, float, float, float]:
     value = _find(scopes, _DISTORTION)
     names = ("k1", "k2", "p1", "p2", "k3")
     listed = next((scope for scope in (value, *scopes) if isinstance(scope, dict) and "k1" in scope), None)
@@ -291,14 +323,32 @@ def _distortion(scopes: tuple[Tree, ...], path: Path) -> tuple[float, float, flo
         model = next(of_others, None)
         if model is not None:
             raise UserError(f"calibration {path}: the model {model} is not supported; rectify the images to a pinhole")
-        if any(coefficients[5:]):
-            raise UserError(
-                f"calibration {path}: distortion has {len(coefficients)} terms; only k1, k2, p1, p2, k3 are used"
-            )
+        if "inverse" in " ".join(models) or any(coefficients[5:]):
+            return _of_another_model(coefficients, " ".join(models), path, size, matrix, notes)
     padded = [*coefficients[:5], 0.0, 0.0, 0.0, 0.0, 0.0]
     if not np.isfinite(padded).all():
         raise UserError(f"calibration {path}: distortion must be finite numbers: k1, k2, p1, p2, k3")
     return padded[0], padded[1], padded[2], padded[3], padded[4]
+
+
+def _of_another_model(
+    coefficients: list[float],
+    models: str,
+    path: Path,
+    size: tuple[int, int],
+    matrix: tuple[float, float, float, float],
+    notes: list[str],
+) -> tuple[float, float, float, float, float]:
+    """The five terms that come nearest to RealSense's inverse model, or to one with eight terms."""
+    name = "inverse brown conrady" if "inverse" in models else "rational_polynomial"
+    if any(coefficients[8:]) or not np.isfinite(coefficients).all():
+        raise UserError(
+            f"calibration {path}: distortion has {len(coefficients)} terms; k1, k2, p1, p2, k3 to k6 can be used"
+        )
+    five, off = five_of(name, coefficients[:8], size, matrix, f"calibration {path}")
+    if off > WORTH_SAYING:
+        notes.append(f"{path.name}: its lens model is used as k1, k2, p1, p2, k3, off by {off:.2f} pixels")
+    return five
 
 
 def _terms_by_kind(value: object) -> list[float] | None:

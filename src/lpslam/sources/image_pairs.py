@@ -3,7 +3,6 @@
 import logging
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +11,7 @@ from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
 from lpslam.frames import FrameFault, RgbdFrame
 from lpslam.sources.images import BadImageError, image_size, read_colour, read_depth
+from lpslam.sources.inside import PictureFile
 from lpslam.sources.registering.displacement import DepthDisplacement
 from lpslam.sources.registering.registration import DepthRegistration
 
@@ -33,8 +33,8 @@ class ImagePair:
     """
 
     timestamp: float
-    colour: Path
-    depth: Path | None
+    colour: PictureFile
+    depth: PictureFile | None
     fault: str = ""
 
 
@@ -225,7 +225,7 @@ class ImagePairSource:
         return self._registrations[depth.shape](depth)
 
 
-def _refuse_size(path: Path, found: tuple[int, ...], wanted: tuple[int, int]) -> None:
+def _refuse_size(path: PictureFile, found: tuple[int, ...], wanted: tuple[int, int]) -> None:
     if found != wanted:
         raise BadImageError(f"{path.name} is {found[1]}×{found[0]}; the camera is {wanted[1]}×{wanted[0]}")
 
@@ -239,7 +239,7 @@ def in_depth_pauses(times: NDArray[np.float64], depth_times: NDArray[np.float64]
     return pauses & ~np.isin(times, depth_times)
 
 
-def first_image_size(paths: Sequence[Path]) -> tuple[int, int] | None:
+def first_image_size(paths: Sequence[PictureFile]) -> tuple[int, int] | None:
     """Width and height of the first image whose header can be read; None if none can."""
     return next((size for size in map(image_size, paths[:100]) if size is not None), None)
 
@@ -260,7 +260,7 @@ def _refuse_other_size(name: str, camera: PinholeCamera, pairs: Sequence[ImagePa
         )
 
 
-def _sizes(paths: Sequence[Path]) -> set[tuple[int, int]]:
+def _sizes(paths: Sequence[PictureFile]) -> set[tuple[int, int]]:
     rows = np.unique(np.linspace(0, len(paths) - 1, _PROBES).astype(int)) if paths else ()
     return {size for size in (image_size(paths[row]) for row in rows) if size is not None}
 

@@ -13,9 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from lpslam.errors import LpSlamError
+from lpslam.errors import LpSlamError, MissingExtraError
+from lpslam.sources.inside import Inside, PictureFile
 
 _PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+_EXR_SIGNATURE = b"v/1\x01"
+_DECODED = frozenset((".npy", ".npz", ".exr"))
+"""Files whose size is known when they are decoded."""
 _JPEG_START, _JPEG_END = b"\xff\xd8", b"\xff\xd9"
 # Some cameras write a few bytes after the end marker.
 _JPEG_TAIL = 4096
@@ -30,16 +34,31 @@ class BadImageError(LpSlamError):
     """An image that cannot be used; the message says which and why, in a few words."""
 
 
-def read_colour(path: Path) -> NDArray[np.uint8]:
+def read_colour(path: PictureFile) -> NDArray[np.uint8]:
     """Read an image as (height, width, 3) uint8 in the order red, green, blue; grey is spread to three channels.
 
     Raises:
         BadImageError: missing, truncated, or no image.
     """
-    return np.asarray(_decode(path, cv2.IMREAD_COLOR_RGB), dtype=np.uint8)
+    return _as_colour(_decode(path, cv2.IMREAD_COLOR_RGB), path.name)
 
 
-def read_depth(path: Path, depth_scale: float, invalid: tuple[int, ...] = ()) -> NDArray[np.float32]:
+def _as_colour(picture: NDArray[Any], name: str) -> NDArray[np.uint8]:
+    """Colour of eight bits, as files of images are decoded to; arrays may have other channels and types."""
+    if picture.dtype.kind == "f":
+        # Fractions of the brightest, or the same numbers as of eight bits.
+        most = float(np.nanmax(picture)) if picture.size else 0.0
+        picture = np.clip(np.nan_to_num(picture) * (255.0 if most <= 1.0 else 1.0), 0, 255).astype(np.uint8)
+    elif picture.dtype == np.uint16:
+        picture = (picture >> 8).astype(np.uint8)
+    if picture.ndim == 2:
+        picture = np.repeat(picture[:, :, None], 3, axis=2)
+    if picture.ndim != 3 or picture.shape[2] not in (3, 4) or picture.dtype != np.uint8:
+        raise BadImageError(f"{name} is no colour image: {picture.shape} of {picture.dtype}")
+    return np.ascontiguousarray(picture[:, :, :3])
+
+
+def read_depth(path: PictureFile, depth_scale: float, invalid: tuple[int, ...] = ()) -> NDArray[np.float32]:
     """Read a depth image as (height, width) float32 metres; 0 where there is none.
 
     Args:
@@ -65,7 +84,7 @@ def read_depth(path: Path, depth_scale: float, invalid: tuple[int, ...] = ()) ->
     return depth
 
 
-def read_raw(path: Path) -> NDArray[Any]:
+def read_raw(path: PictureFile) -> NDArray[Any]:
     """Read an image as it is stored: (height, width) or (height, width, channels), of its own type.
 
     Raises:
@@ -87,15 +106,43 @@ def _array_in(data: bytes, name: str) -> NDArray[Any]:
     return picture
 
 
-def image_size(path: Path) -> tuple[int, int] | None:
-    """Read width and height from the image's header alone; None where there is no such image."""
+def _of_exr(path: Path) -> NDArray[Any]:
+    """The channel of a picture in OpenEXR that holds depth, or its colours."""
     try:
+        import OpenEXR
+    except ImportError:
+        raise MissingExtraError(f"OpenEXR ({path.name})", "exr") from None
+    try:
+        with OpenEXR.File(str(path), separate_channels=True) as file:
+            channels = {str(name): np.asarray(each.pixels) for name, each in file.channels().items()}
+    except (RuntimeError, ValueError, OSError, TypeError) as error:
+        raise BadImageError(f"{path.name} is not an image that can be decoded") from error
+    if not channels:
+        raise BadImageError(f"{path.name} holds no picture")
+    if {"R", "G", "B"} <= set(channels) and not any(name.lower().startswith(("z", "depth")) for name in channels):
+        colours = [channels[name] for name in "RGB"]
+        is_grey = all(np.array_equal(colours[0], each) for each in colours[1:])
+        return colours[0] if is_grey else np.stack(colours, axis=-1)
+    chosen = min(channels, key=lambda name: (not name.lower().startswith(("z", "depth")), name))
+    return channels[chosen].astype(np.float32) if channels[chosen].dtype.kind != "f" else channels[chosen]
+
+
+def image_size(path: PictureFile) -> tuple[int, int] | None:
+    """Read width and height from the image's header alone; None where there is no such image."""
+    if isinstance(path, Inside):
+        return path.holder.size
+    try:
+        if path.suffix.lower() in _DECODED:
+            picture = _decode(path, cv2.IMREAD_UNCHANGED)
+            return picture.shape[1], picture.shape[0]
         return _size_in_header(path) if path.is_file() else None
-    except (OSError, ValueError, Image.DecompressionBombError):
+    except (OSError, ValueError, Image.DecompressionBombError, BadImageError):
         return None
 
 
-def _decode(path: Path, flags: int) -> NDArray[Any]:
+def _decode(path: PictureFile, flags: int) -> NDArray[Any]:
+    if isinstance(path, Inside):
+        return path.holder.picture(path.index)
     try:
         # Lists name any path: a device never ends, and a pipe never begins.
         status = path.stat()
@@ -108,6 +155,8 @@ def _decode(path: Path, flags: int) -> NDArray[Any]:
         raise BadImageError(f"{path.name!r} is no name of a file") from error
     if path.suffix.lower() in (".npy", ".npz") and data:
         return _array_in(data, path.name)
+    if data.startswith(_EXR_SIGNATURE):
+        return _of_exr(path)
     defect = image_defect(data)
     if defect:
         raise BadImageError(f"{path.name} is {defect}")

@@ -195,7 +195,7 @@ def _opened(
         if not place.is_dir() and not is_regular(place):
             raise UserError(f"{place} is a device or a pipe, which cannot be read twice; give a file or a folder")
         found = next((layout for layout in FORMATS if layout.is_at(place)), None)
-        if found is _ANY_FOLDER and _hint(place):
+        if found is _ANY_FOLDER and place.is_dir() and _hint(place):
             # A folder of recordings is none itself.
             found = None
         if found is None and (_is_bag(place) or (place.is_file() and not place.stat().st_size)):

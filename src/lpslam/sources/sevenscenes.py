@@ -12,6 +12,7 @@ from lpslam.errors import UserError
 from lpslam.regular_files import text_of
 from lpslam.sources.calibration import Calibration, read_calibration
 from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size, in_depth_pauses
+from lpslam.sources.inside import PictureFile
 
 FRAMES_PER_SECOND = 30.0
 _DEPTH_SCALE = 1000.0
@@ -75,7 +76,7 @@ def open_seven_scenes(
     )
 
 
-def _find_calibration(folder: Path, camera_file: Path | None, colours: list[Path]) -> Calibration:
+def _find_calibration(folder: Path, camera_file: Path | None, colours: list[PictureFile]) -> Calibration:
     size = first_image_size(colours)
     if camera_file is not None:
         return read_calibration(camera_file, image_size=size, default_depth_scale=_DEPTH_SCALE)

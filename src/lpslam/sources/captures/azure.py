@@ -20,6 +20,7 @@ from lpslam.camera import PinholeCamera
 from lpslam.errors import MissingExtraError, UserError
 from lpslam.sources.bags.containers.container import Damage
 from lpslam.sources.bags.lenses import camera_of
+from lpslam.sources.calibrations.azure_raw import azure_lens
 from lpslam.sources.captures.common import decoded_colour, rising_times
 from lpslam.sources.images import BadImageError
 from lpslam.sources.listed import ListedSource, Picture
@@ -31,22 +32,6 @@ _TOLERANCE = 0.017
 _MILLIMETRES = 1000.0
 _MOST_KEPT = 256
 """Packets between a colour picture and its depth; two tracks have some sixty in a second."""
-# Width and height of a mode, to the size of the image that its calibration is in parts of, and what is cut off at its
-# left and top.
-_DEPTH_MODES = {
-    (320, 288): (512, 512, 96, 90),
-    (640, 576): (1024, 1024, 192, 180),
-    (512, 512): (512, 512, 0, 0),
-    (1024, 1024): (1024, 1024, 0, 0),
-}
-_COLOUR_MODES = {
-    (1280, 720): (1280, 960, 0, 120),
-    (1920, 1080): (1920, 1440, 0, 180),
-    (2560, 1440): (2560, 1920, 0, 240),
-    (2048, 1536): (2048, 1536, 0, 0),
-    (3840, 2160): (3840, 2880, 0, 360),
-    (4096, 3072): (4096, 3072, 0, 0),
-}
 _MALFORMED = (ValueError, KeyError, TypeError, IndexError, AttributeError, RecursionError)
 
 
@@ -205,8 +190,7 @@ def _cameras(
         depth = by_place["CALIBRATION_CameraLocationD0"]
         poses = [_pose(each) for each in (colour, depth)]
         lenses = [
-            _lens(each, size, modes)
-            for each, size, modes in ((colour, colour_size, _COLOUR_MODES), (depth, depth_size, _DEPTH_MODES))
+            _lens(each, size, is_depth=each is depth) for each, size in ((colour, colour_size), (depth, depth_size))
         ]
     except _MALFORMED as error:
         raise UserError(f"{path}: its calibration cannot be read ({type(error).__name__})") from error
@@ -217,17 +201,14 @@ def _cameras(
     return cameras[0], cameras[1], np.asarray(poses[0] @ np.linalg.inv(poses[1]))
 
 
-def _lens(camera: Any, size: tuple[int, int], modes: dict[tuple[int, int], tuple[int, int, int, int]]) -> Any:
-    """A `CameraInfo` of the camera's mode: its numbers are parts of an image before cutting and binning."""
-    numbers = [float(value) for value in camera["Intrinsics"]["ModelParameters"]]
-    cx, cy, fx, fy, k1, k2, k3, k4, k5, k6, _, _, p2, p1 = numbers[:14]
-    width, height, left, top = modes.get(size, (*size, 0, 0))
+def _lens(camera: Any, size: tuple[int, int], *, is_depth: bool) -> Any:
+    """A `CameraInfo` of the camera's mode."""
+    (fx, fy, cx, cy), terms = azure_lens(camera["Intrinsics"]["ModelParameters"], size, is_depth=is_depth)
     return SimpleNamespace(
         width=size[0],
         height=size[1],
-        # Its pixels' corners are whole numbers; here their centres are.
-        k=[fx * width, 0.0, cx * width - left - 0.5, 0.0, fy * height, cy * height - top - 0.5, 0.0, 0.0, 1.0],
-        d=[k1, k2, p1, p2, k3, k4, k5, k6],
+        k=[fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0],
+        d=terms,
         distortion_model="rational_polynomial",
     )
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.sources.images import BadImageError, image_defect
+from lpslam.sources.inside import PictureFile
 
 RATE = 30.0
 """Frames a second, where a layout states none."""
@@ -34,7 +35,7 @@ def decoded_colour(data: bytes, name: str) -> NDArray[np.uint8]:
     return np.asarray(picture, np.uint8)
 
 
-def number_of(path: Path) -> int | None:
+def number_of(path: PictureFile) -> int | None:
     """The last number in a picture's name."""
     digits = re.findall(r"\d{1,30}", path.stem)
     return int(digits[-1]) if digits else None

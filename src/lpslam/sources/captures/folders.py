@@ -17,10 +17,14 @@ from lpslam.config import PairingConfig
 from lpslam.errors import UserError
 from lpslam.sources.calibration import Calibration, read_calibration
 from lpslam.sources.captures.common import number_of
+from lpslam.sources.captures.holders.arrays import times_beside
+from lpslam.sources.captures.holders.videos import Video
 from lpslam.sources.captures.series import Pictures, Series
 from lpslam.sources.captures.stated import calibration_among
 from lpslam.sources.captures.tables import Listing, listing_of, times_in_names
 from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size, in_depth_pauses
+from lpslam.sources.inside import PictureFile
+from lpslam.sources.registering.displacement import DepthDisplacement
 from lpslam.timestamps import associate, usual_tolerance
 
 _Times = NDArray[np.float64]
@@ -28,9 +32,7 @@ _MILLIMETRES = 1000.0
 
 
 def holds_pictures(folder: Path) -> bool:
-    """Whether a folder, or those within it, hold a series of colour and one of depth."""
-    if not folder.is_dir():
-        return False
+    """Whether a folder, or those within it, hold a series of colour and one of depth; or a file of arrays does."""
     pictures = Pictures(folder)
     return pictures.colour is not None and pictures.depth is not None
 
@@ -55,20 +57,23 @@ def open_capture(
         raise UserError(f"{folder}: no two {missing} pictures of one kind lie there; depth has one channel of 16 bits")
     listing = listing_of(pictures.texts, [colour.paths, depth.paths])
     size = first_image_size(list(colour.paths))
-    calibration = _calibration(folder, camera_file, pictures.texts, size, nominal)
+    calibration = _calibration(folder, camera_file, pictures, size, nominal)
     pairs, notes, times = _paired(folder, colour, depth, listing, calibration.camera.fps, pairing or PairingConfig())
     if depth.is_float:
         # Fractions are metres; a scale that is stated is that of whole numbers.
         camera = replace(calibration.camera, depth_scale=1.0)
         kept = tuple(note for note in calibration.notes if "depth_scale" not in note)
         calibration = replace(calibration, camera=camera, notes=kept, is_scale_assumed=True)
+    displacement, depth_size = calibration.displacement, first_image_size(list(depth.paths))
+    if displacement is None and depth_size is not None and depth_size == calibration.depth_size:
+        displacement = DepthDisplacement.between(depth_size, (calibration.camera.width, calibration.camera.height))
     return ImagePairSource(
-        folder.resolve().name,
+        folder.stem if folder.is_file() else folder.resolve().name,
         calibration.camera,
         pairs,
-        notes=(*calibration.notes, *notes),
+        notes=(*calibration.notes, *pictures.notes, *notes),
         listed_times=times,
-        displacement=calibration.displacement,
+        displacement=displacement,
         may_displace=nominal,
         is_scale_assumed=calibration.is_scale_assumed,
         max_frames=max_frames,
@@ -99,9 +104,16 @@ def _paired(
             f"{folder}: nothing says which depth picture belongs to which colour picture; give both the same numbers "
             "or times in their names, or a list with a line for each pair"
         )
+    if colour_times is None and depth_times is not None:
+        # What belongs together was taken at one time.
+        by_depth = dict(zip(depth.paths, depth_times, strict=True))
+        kept = [path for path in colour.paths if path in found]
+        colour, pauses = replace(colour, paths=tuple(kept)), np.zeros(len(kept), np.bool_)
+        colour_times = np.array([by_depth[found[path]] for path in kept])
     if colour_times is None:
         numbers = [number_of(path) for path in colour.paths]
         counted = [index if number is None else number for index, number in enumerate(numbers)]
+        rate = (colour.holder.rate if isinstance(colour.holder, Video) else 0.0) or rate
         colour_times = (np.array(counted, np.float64) - min(counted)) / rate
         notes.append(f"its images carry no times: {rate:g} a second are taken")
     pairs = []
@@ -117,7 +129,10 @@ def _stamps(series: Series, listing: Listing) -> tuple[_Times | None, str]:
     listed = [listing.times.get(path) for path in series.paths]
     if all(time is not None for time in listed):
         return np.array(listed, np.float64), ""
-    return times_in_names(series.paths)
+    if series.holder is not None:
+        return series.holder.times, ""
+    inside = times_beside(series.paths)
+    return (inside, "") if inside is not None else times_in_names(series.paths)
 
 
 def _share_a_clock(one: _Times, other: _Times) -> bool:
@@ -125,7 +140,7 @@ def _share_a_clock(one: _Times, other: _Times) -> bool:
     return bool(one.min() <= other.max() and other.min() <= one.max())
 
 
-def _by_number(colours: Sequence[Path], depths: Sequence[Path]) -> dict[Path, Path]:
+def _by_number(colours: Sequence[PictureFile], depths: Sequence[PictureFile]) -> dict[PictureFile, PictureFile]:
     """Pictures of equal numbers; of as many without numbers, those in the same place in order."""
     by_number = {number_of(path): path for path in depths if number_of(path) is not None}
     if not by_number and len(colours) == len(depths):
@@ -134,11 +149,11 @@ def _by_number(colours: Sequence[Path], depths: Sequence[Path]) -> dict[Path, Pa
 
 
 def _calibration(
-    folder: Path, camera_file: Path | None, files: Sequence[Path], size: tuple[int, int] | None, nominal: bool
+    folder: Path, camera_file: Path | None, pictures: Pictures, size: tuple[int, int] | None, nominal: bool
 ) -> Calibration:
     if camera_file is not None:
         return read_calibration(camera_file, image_size=size, default_depth_scale=_MILLIMETRES)
-    found = calibration_among(folder, files, size, _MILLIMETRES)
+    found = calibration_among(folder, pictures.texts, size, _MILLIMETRES, pictures.trees)
     if found is not None:
         return found
     width, height = size or (640, 480)

@@ -47,6 +47,9 @@ class Capture:
         return reader.open_capture(folder, camera_file, max_frames, nominal=nominal, **by_time)
 
 
+_ARRAYS = (".npz", ".h5", ".hdf5", ".mat")
+
+
 def _has(*names: str) -> Callable[[Path], bool]:
     """Files by names with an ending, folders by those with a slash."""
     return lambda path: (
@@ -65,7 +68,7 @@ def _is_replica(path: Path) -> bool:
 
 def _holds_pictures(path: Path) -> bool:
     reader = importlib.import_module("lpslam.sources.captures.folders")
-    return path.is_dir() and bool(reader.holds_pictures(path))
+    return (path.is_dir() or path.suffix.lower() in _ARRAYS) and bool(reader.holds_pictures(path))
 
 
 CAPTURES = (
@@ -75,5 +78,7 @@ CAPTURES = (
     Capture("ScanNet", "NAME.sens", _ends(".sens"), "scannet"),
     Capture("Replica", "results/frame*.jpg and depth*.png", _is_replica, "replica", True),
     Capture("Redwood, Open3D", "color/ and depth/", _has("color/", "depth/"), "folders", True, True),
-    Capture("folders", "pictures of colour and of depth", _holds_pictures, "folders", True, True),
+    Capture(
+        "folders", "pictures of colour and of depth, videos, .npz, .h5, .mat", _holds_pictures, "folders", True, True
+    ),
 )

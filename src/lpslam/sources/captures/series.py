@@ -1,5 +1,9 @@
-"""Series of pictures in a folder: which are colour and which depth, by what they hold and how they are called."""
+"""Series of pictures in a folder: which are colour and which depth, by what they hold and how they are called.
 
+A series lies in files of its own, or inside one: a video, or a file of arrays.
+"""
+
+import glob
 import os
 import re
 from collections.abc import Iterable, Iterator
@@ -10,12 +14,19 @@ from pathlib import Path
 
 import numpy as np
 
+from lpslam.errors import UserError
+from lpslam.sources.captures.holders import arrays, videos
+from lpslam.sources.captures.holders.arrays import Arrays, arrays_of
+from lpslam.sources.captures.holders.stacks import COLOUR_WORDS, DEPTH_WORDS, OTHER_WORDS
+from lpslam.sources.captures.holders.videos import DeepVideo, Video
 from lpslam.sources.images import BadImageError, read_raw
+from lpslam.sources.inside import Holder, Inside, PictureFile
+from lpslam.sources.yaml_tree import Tree
 
-_PICTURES = frozenset((".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".npy", ".npz"))
-_NO_PICTURE_OF_A_VIEW = ("conf", "mask", "label", "seg", "semantic", "instance", "normal", "preview", "thumb")
-_COLOUR = ("color", "colour", "rgb", "image", "img", "picture", "left", "cam")
-_DEPTH = ("depth", "distance", "range", "disp")
+_IMAGES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".exr")
+_PICTURES = frozenset((*_IMAGES, ".npy", ".npz"))
+_HOLDERS = videos.SUFFIXES | arrays.SUFFIXES
+_DEPTH = (*DEPTH_WORDS, "disp")
 _REGISTERED = ("align", "regist", "_to_")
 _DEEPEST, _MOST_FILES, _MOST_ALIKE = 3, 400_000, 20
 
@@ -28,52 +39,111 @@ class Series:
         paths: in order of their numbers, then of their names.
         is_depth: one channel of more than eight bits.
         is_float: of fractions: metres, as a rule.
+        holder: the one file in which all lie; None where each is a file.
     """
 
-    paths: tuple[Path, ...]
+    paths: tuple[PictureFile, ...]
     is_depth: bool
     is_float: bool = False
+    holder: Holder | None = None
 
 
 @dataclass(eq=False)
 class Pictures:
-    """The pictures and the other files of a folder and of those within it."""
+    """The pictures and the other files of a folder and of those within it, or of one file of arrays.
+
+    Attributes:
+        folder: the folder, or the file.
+    """
 
     folder: Path
 
     @cached_property
     def files(self) -> list[Path]:
         """Files that may be pictures, lists or calibrations; hidden ones and those of archives' makers left out."""
+        if self.folder.is_file():
+            return sorted(path for path in self.folder.parent.glob(f"{glob.escape(self.folder.stem)}.*"))
         return sorted(islice(_walk(self.folder, _DEEPEST), _MOST_FILES))
 
     @cached_property
     def series(self) -> list[Series]:
         """All series of two pictures and more."""
-        return [
+        of_files = [
             _series(paths)
             for paths in _of_one_kind(path for path in self.files if path.suffix.lower() in _PICTURES)
-            if len(paths) > 1 and not _says(paths[0], self.folder, _NO_PICTURE_OF_A_VIEW)
+            if len(paths) > 1
         ]
+        of_holders = [
+            _of_stack(stack, is_depth) for path in self._array_files for stack, is_depth in self._arrays(path).stacks
+        ]
+        return [each for each in (*of_files, *of_holders) if not self._says(each, OTHER_WORDS)]
+
+    @cached_property
+    def trees(self) -> dict[Path, Tree]:
+        """What files of arrays say besides, by file."""
+        return {path: tree for path in self._array_files if (tree := self._arrays(path).tree)}
+
+    @cached_property
+    def notes(self) -> list[str]:
+        """What was made of the times in files of arrays."""
+        return sorted({note for path in self._array_files for note in self._arrays(path).notes})
 
     @cached_property
     def texts(self) -> list[Path]:
         """What may be a list or a calibration; of many files of one kind, as of labels for each picture, the first."""
-        groups = _of_one_kind(path for path in self.files if path.suffix.lower() not in _PICTURES)
+        groups = _of_one_kind(path for path in self.files if path.suffix.lower() not in _PICTURES | _HOLDERS)
         return [path for paths in groups for path in (paths if len(paths) <= _MOST_ALIKE else paths[:1])]
 
-    @property
+    @cached_property
     def colour(self) -> Series | None:
-        """Of several the one that is called so, and then the longest."""
-        return self._best(False, _COLOUR)
+        """Of several the one that is called so, and then the longest; a video where no pictures are."""
+        return self._best(False, COLOUR_WORDS) or self._video(is_depth=False)
 
-    @property
+    @cached_property
     def depth(self) -> Series | None:
-        """Of several the one registered to colour, and then the longest."""
-        return self._best(True, _REGISTERED)
+        """Of several the one registered to colour, and then the longest; a video where no pictures are."""
+        return self._best(True, _REGISTERED) or self._video(is_depth=True)
 
     def _best(self, is_depth: bool, words: tuple[str, ...]) -> Series | None:
         of_kind = [each for each in self.series if each.is_depth == is_depth]
-        return max(of_kind, key=lambda each: (_says(each.paths[0], self.folder, words), len(each.paths)), default=None)
+        return max(of_kind, key=lambda each: (self._says(each, words), len(each.paths)), default=None)
+
+    def _video(self, *, is_depth: bool) -> Series | None:
+        """The only video, or the only one that is called so."""
+        found = [path for path in self.files if path.suffix.lower() in videos.SUFFIXES]
+        of_kind = [path for path in found if any(word in path.stem.lower() for word in DEPTH_WORDS) == is_depth]
+        called = [path for path in of_kind if is_depth or any(word in path.stem.lower() for word in COLOUR_WORDS)]
+        chosen = of_kind if len(of_kind) == 1 else called
+        if len(chosen) != 1:
+            return None
+        return _series_in(DeepVideo(chosen[0]) if is_depth else Video(chosen[0]), is_depth, is_float=False)
+
+    @cached_property
+    def _array_files(self) -> list[Path]:
+        """Files of arrays; those of numpy that are many of one kind are pictures."""
+        groups = _of_one_kind(path for path in self.files if path.suffix.lower() in arrays.SUFFIXES)
+        return [
+            path for paths in groups for path in paths if len(paths) == 1 or path.suffix.lower() not in (".npy", ".npz")
+        ][:_MOST_ALIKE]
+
+    def _arrays(self, path: Path) -> Arrays:
+        if path not in self._read:
+            try:
+                self._read[path] = arrays_of(path)
+            except UserError:
+                # Where it is the recording itself, that is what is wrong with it.
+                if self.folder.is_file():
+                    raise
+                self._read[path] = Arrays()
+        return self._read[path]
+
+    @cached_property
+    def _read(self) -> dict[Path, Arrays]:
+        return {}
+
+    def _says(self, series: Series, words: tuple[str, ...]) -> bool:
+        around = str(self.folder.parent if self.folder.is_file() else self.folder)
+        return any(word in str(series.paths[0])[len(around) :].lower() for word in words)
 
 
 def _walk(folder: Path, levels: int) -> Iterator[Path]:
@@ -99,11 +169,6 @@ def _of_one_kind(paths: Iterable[Path]) -> list[list[Path]]:
     return list(groups.values())
 
 
-def _says(path: Path, folder: Path, words: tuple[str, ...]) -> bool:
-    name = str(path.relative_to(folder)).lower()
-    return any(word in name for word in words)
-
-
 def _series(paths: list[Path]) -> Series:
     ordered = sorted(paths, key=lambda path: (len(path.stem) if path.stem.isdigit() else 0, _numbers(path), path.name))
     for path in ordered[:: max(len(ordered) // _PROBES, 1)]:
@@ -114,6 +179,15 @@ def _series(paths: list[Path]) -> Series:
         is_float = raw.dtype.kind == "f"
         return Series(tuple(ordered), raw.ndim == 2 and (is_float or raw.dtype != np.uint8), is_float)
     return Series(tuple(ordered), any(word in str(ordered[0]).lower() for word in _DEPTH))
+
+
+def _of_stack(stack: Holder, is_depth: bool) -> Series:
+    return _series_in(stack, is_depth, is_float=stack.picture(0).dtype.kind == "f")
+
+
+def _series_in(holder: Holder, is_depth: bool, *, is_float: bool) -> Series:
+    pictures = tuple(Inside(holder, index) for index in range(len(holder)))
+    return Series(pictures, is_depth, is_float and is_depth, holder)
 
 
 def _numbers(path: Path) -> list[int]:

@@ -1,10 +1,11 @@
 """The calibrations that files of a folder state, and whether they agree."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from lpslam.errors import UserError
-from lpslam.sources.calibration import Calibration, read_calibration
+from lpslam.sources.calibration import Calibration, calibration_of, read_calibration, states_camera
+from lpslam.sources.yaml_tree import Tree
 
 _SUFFIXES = (".yaml", ".yml", ".json", ".txt", ".ini", ".cfg", ".conf", ".xml", ".csv", ".md", ".log", "")
 _CONTRADICTS = 0.02
@@ -14,18 +15,26 @@ _LONGEST = 1 << 20
 
 
 def calibration_among(
-    folder: Path, files: Sequence[Path], size: tuple[int, int] | None, default_depth_scale: float
+    folder: Path,
+    files: Sequence[Path],
+    size: tuple[int, int] | None,
+    default_depth_scale: float,
+    trees: Mapping[Path, Tree] | None = None,
 ) -> Calibration | None:
     """The calibration of the colour camera that files of a folder state; None without.
 
     Args:
         folder, files: where they lie, and which they are.
         size, default_depth_scale: as `read_calibration` takes them.
+        trees: what files of arrays say besides, by file.
 
     Raises:
         UserError: two of them contradict each other, or the only ones that are called so cannot be read.
     """
     found = _stated(files, size, default_depth_scale)
+    for path, tree in (trees or {}).items():
+        if states_camera(tree):
+            found[path] = calibration_of(tree, path, size, default_depth_scale)
     _refuse_contradictions(folder, found)
     return next(iter(found.values()), None)
 

@@ -3,22 +3,19 @@
 The layout: https://docs.strayrobots.io/formats/data.html
 """
 
-from collections.abc import Iterator
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
 from lpslam.regular_files import text_of
 from lpslam.sources.captures.common import enlarged, numbered, rising_times
+from lpslam.sources.captures.holders.videos import Video
 from lpslam.sources.images import BadImageError, read_depth, read_raw
 from lpslam.sources.listed import ListedSource, Picture
 
 _MILLIMETRES = 1000.0
-_BOXES = (b"ftyp", b"moov", b"mdat", b"free", b"skip", b"wide", b"pnot")
-"""What an MP4 may begin with."""
 _SURE = 1
 """Of Apple's confidences 0, 1 and 2: below this, readings are guesses."""
 
@@ -29,7 +26,7 @@ def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None,
     Raises:
         UserError: the video or the calibration cannot be read.
     """
-    video = _Video(folder / "rgb.mp4")
+    video = Video(folder / "rgb.mp4")
     try:
         words = text_of(folder / "camera_matrix.csv").replace(",", " ").split()
         matrix = np.array([float(word) for word in words], np.float64).reshape(3, 3)
@@ -40,10 +37,10 @@ def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None,
     camera = PinholeCamera(width, height, fx, fy, cx, cy, depth_scale=_MILLIMETRES)
     depths = numbered(folder / "depth", (".png",))
     sure = numbered(folder / "confidence", (".png",)) if (folder / "confidence").is_dir() else {}
-    stamps, notes = _stamps(folder / "odometry.csv", min(video.count, len(depths)))
+    stamps, notes = _stamps(folder / "odometry.csv", min(len(video), len(depths)))
 
     def decode(number: int) -> Picture:
-        rgb = video.frame(number)
+        rgb = video.picture(number)
         if number not in depths:
             raise BadImageError(f"frame {number} has no depth image")
         depth = read_depth(depths[number], _MILLIMETRES)
@@ -54,51 +51,6 @@ def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None,
         return rgb, enlarged(depth, (rgb.shape[1], rgb.shape[0]))
 
     return ListedSource(folder.resolve().name, camera, stamps, decode, notes=notes, max_frames=max_frames)
-
-
-class _Video:
-    """Frames by number; in order without seeking, which a video does slowly."""
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-        with path.open("rb") as file:
-            begin = file.read(8)
-        if begin[4:] not in _BOXES:
-            # What else a decoder takes may lead to other files, or to addresses.
-            raise UserError(f"{path} is no MP4 video; copy it again")
-        reader = cv2.VideoCapture(str(path))
-        self.size = int(reader.get(cv2.CAP_PROP_FRAME_WIDTH)), int(reader.get(cv2.CAP_PROP_FRAME_HEIGHT))
-        self.count = int(reader.get(cv2.CAP_PROP_FRAME_COUNT))
-        reader.release()
-        if min(*self.size, self.count) <= 0:
-            raise UserError(f"{path} is no video that can be decoded")
-        self._frames: Iterator[tuple[int, np.ndarray[tuple[int, ...], np.dtype[np.uint8]]]] = iter(())
-        self._next = -1
-
-    def frame(self, number: int) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
-        """Colour (height, width, 3), red, green, blue."""
-        if self._next < 0 or not self._next <= number <= self._next + 30:
-            self._frames, self._next = self._decoded(number), number
-        for found, picture in self._frames:
-            self._next = found + 1
-            if found == number:
-                return picture
-        raise BadImageError(f"the video ends before frame {number}")
-
-    def _decoded(self, first: int) -> Iterator[tuple[int, np.ndarray[tuple[int, ...], np.dtype[np.uint8]]]]:
-        reader = cv2.VideoCapture(str(self._path))
-        try:
-            if first:
-                reader.set(cv2.CAP_PROP_POS_FRAMES, first)
-            number = first
-            while True:
-                ok, picture = reader.read()
-                if not ok:
-                    return
-                yield number, np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2RGB), np.uint8)
-                number += 1
-        finally:
-            reader.release()
 
 
 def _stamps(path: Path, count: int) -> tuple[list[float], tuple[str, ...]]:

@@ -15,6 +15,7 @@ from lpslam.errors import UserError
 from lpslam.regular_files import text_of
 from lpslam.sources.captures.common import number_of
 from lpslam.sources.clocks import in_seconds
+from lpslam.sources.inside import PictureFile
 
 Times = NDArray[np.float64]
 
@@ -52,12 +53,12 @@ class Listing:
         notes: what was made of the stamps.
     """
 
-    times: dict[Path, float] = field(default_factory=dict)
-    pairs: dict[Path, Path] = field(default_factory=dict)
+    times: dict[PictureFile, float] = field(default_factory=dict)
+    pairs: dict[PictureFile, PictureFile] = field(default_factory=dict)
     notes: set[str] = field(default_factory=set)
 
 
-def listing_of(files: Sequence[Path], series: Sequence[tuple[Path, ...]]) -> Listing:
+def listing_of(files: Sequence[Path], series: Sequence[tuple[PictureFile, ...]]) -> Listing:
     """Read every list among files that names pictures of the series, or has as many times as one of them pictures.
 
     Args:
@@ -78,7 +79,7 @@ def listing_of(files: Sequence[Path], series: Sequence[tuple[Path, ...]]) -> Lis
     return found
 
 
-def _take(table: Table, columns: dict[int, list[Path | None]], found: Listing) -> None:
+def _take(table: Table, columns: dict[int, list[PictureFile | None]], found: Listing) -> None:
     for index, pictures in columns.items():
         stamps = _times(table, before=index, taken=set(columns))
         if stamps is not None:
@@ -90,7 +91,7 @@ def _take(table: Table, columns: dict[int, list[Path | None]], found: Listing) -
         found.pairs |= {one: other for one, other in zip(colours, depths, strict=True) if one and other}
 
 
-def _take_in_order(tables: Sequence[Table], pictures: tuple[Path, ...], found: Listing) -> None:
+def _take_in_order(tables: Sequence[Table], pictures: tuple[PictureFile, ...], found: Listing) -> None:
     """Times without names belong to pictures by their numbers, where a column has these, or in order."""
     for table in tables:
         stamps = _times(table)
@@ -118,11 +119,13 @@ def _by_number(table: Table, seconds: Times) -> dict[int | None, float]:
     return {}
 
 
-def _columns(table: Table, beside: Path, series: Sequence[tuple[Path, ...]]) -> dict[int, list[Path | None]]:
+def _columns(
+    table: Table, beside: Path, series: Sequence[tuple[PictureFile, ...]]
+) -> dict[int, list[PictureFile | None]]:
     """The columns that name pictures, those of the first series first: for each row the picture, if it names one."""
-    columns: dict[int, list[Path | None]] = {}
+    columns: dict[int, list[PictureFile | None]] = {}
     for pictures in series:
-        by_name: dict[str, Path] = {}
+        by_name: dict[str, PictureFile] = {}
         for picture in pictures:
             parts = [part.lower() for part in picture.parts]
             # By as much of the path as is written; a bare name last.
@@ -141,7 +144,7 @@ def _columns(table: Table, beside: Path, series: Sequence[tuple[Path, ...]]) -> 
     return columns
 
 
-def _named(cell: str, by_name: dict[str, Path]) -> Path | None:
+def _named(cell: str, by_name: dict[str, PictureFile]) -> PictureFile | None:
     parts = [part for part in cell.replace("\\", "/").lower().split("/") if part not in ("", ".", "..")][-4:]
     written = ("/".join(parts[start:]) for start in range(len(parts)))
     return next((by_name[name] for name in written if name in by_name), None)
@@ -204,7 +207,7 @@ def _seconds(cell: str) -> float:
     return (moment if moment.tzinfo is not None else moment.replace(tzinfo=UTC)).timestamp()
 
 
-def times_in_names(pictures: Sequence[Path]) -> tuple[Times | None, str]:
+def times_in_names(pictures: Sequence[PictureFile]) -> tuple[Times | None, str]:
     """Seconds (n,) that the pictures' names say, and what was made of them; None where they only count."""
     split = [re.findall(r"\d{1,30}(?:\.\d{1,30})?", picture.stem) for picture in pictures]
     if len({len(parts) for parts in split}) != 1:

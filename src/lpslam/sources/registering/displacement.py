@@ -45,6 +45,11 @@ class DepthDisplacement:
         """(5,): scale, shift and parallax."""
         return np.array([self.scale, *self.shift, *self.parallax])
 
+    def resized(self, share: float) -> "DepthDisplacement":
+        """The same where both images are `share` times as large."""
+        (x, y), (px, py) = self.shift, self.parallax
+        return DepthDisplacement(self.scale, (x * share, y * share), (px * share, py * share))
+
     def moved(self, pixels: Array, depths: Array, depth_size: Size, colour_size: Size) -> Array:
         """Colour pixels (n, 2) of depth pixels (n, 2) that read `depths` (n,) metres."""
         from_middle = pixels - _middle(depth_size)

@@ -5,10 +5,58 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.errors import UserError
+
 Array = NDArray[np.float64]
 Five = tuple[float, float, float, float, float]
 Matrix = tuple[float, float, float, float]
 _SAMPLES = 40
+_REPLACED = 0.5
+"""Pixels by which five numbers may differ from a lens model with more, anywhere in the image."""
+WORTH_SAYING = 0.01
+"""Pixels by which they differ without a word."""
+_NAMES_OF_FIVE = ("plumb_bob", "brown conrady", "modified brown conrady", "")
+_NO_PINHOLE = ("equidistant", "fisheye", "kannala", "thin_prism", "omni", "f-theta", "ftheta", "kb4")
+
+
+def five_of(model: str, d: Sequence[float], size: tuple[int, int], matrix: Matrix, name: str) -> tuple[Five, float]:
+    """The five numbers that stand for a lens model.
+
+    Args:
+        model: as ROS and librealsense name it, in lower case.
+        d: its numbers.
+        size: width and height, pixels.
+        matrix: fx, fy, cx, cy, pixels.
+        name: whose it is, for complaints.
+
+    Returns:
+        The five, and by how many pixels they differ from the model at most.
+
+    Raises:
+        UserError: they cannot stand for it, or the model is not known.
+    """
+    if not any(d):
+        return (0.0, 0.0, 0.0, 0.0, 0.0), 0.0
+    if model.startswith(_NO_PINHOLE):
+        raise UserError(
+            f"{name}: the lens model {model} is not a pinhole's; record rectified pictures (image_proc), "
+            "or give their calibration with --camera FILE"
+        )
+    padded = [*d, *[0.0] * 8][: max(len(d), 8)]
+    if model == "inverse brown conrady":
+        five, off = fitted_inverse(padded, size, matrix)
+    elif any(padded[5:8]) and not any(padded[8:]):
+        five, off = fitted_rational(padded, size, matrix)
+    elif model in _NAMES_OF_FIVE or model == "rational_polynomial":
+        five, off = (padded[0], padded[1], padded[2], padded[3], padded[4]), float(any(padded[5:]))
+    else:
+        raise UserError(f"{name}: the lens model {model[:40]!r} is not known; record rectified pictures")
+    if not off <= _REPLACED:
+        raise UserError(
+            f"{name}: k1, k2, p1, p2, k3 cannot stand for the lens model {model[:40]} (off by {off:.2g} pixels); "
+            "record rectified pictures (image_proc)"
+        )
+    return five, off
 
 
 def fitted_rational(k: Sequence[float], size: tuple[int, int], focal: Matrix) -> tuple[Five, float]:

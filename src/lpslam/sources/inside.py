@@ -1,0 +1,68 @@
+"""Pictures that lie with many others in one file: a video, an array of numpy, HDF5."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Holder(Protocol):
+    """A file that holds pictures of one kind.
+
+    Attributes:
+        path: the file, followed by where in it they lie, as `take.h5/camera/depth`.
+        size: width and height of its pictures, pixels.
+        times: seconds of each (n,), rising, where the file says them.
+    """
+
+    path: Path
+    size: tuple[int, int]
+    times: NDArray[np.float64] | None
+
+    def __len__(self) -> int: ...
+
+    def picture(self, index: int) -> NDArray[Any]:
+        """A picture as it is stored: (height, width), or (height, width, 3 or 4) in the order red, green, blue.
+
+        Raises:
+            BadImageError: it cannot be read.
+        """
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Inside:
+    """One picture of a holder, which goes by the names that a file of its own would have."""
+
+    holder: Holder
+    index: int
+
+    @property
+    def name(self) -> str:
+        """As in reports."""
+        return f"{self.holder.path.name} {self.index}"
+
+    @property
+    def stem(self) -> str:
+        """Its number alone."""
+        return str(self.index)
+
+    @property
+    def parent(self) -> Path:
+        """The holder."""
+        return self.holder.path
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """As of a path."""
+        return (*self.holder.path.parts, self.stem)
+
+    def __str__(self) -> str:
+        """As a path is written."""
+        return f"{self.holder.path}/{self.index}"
+
+
+PictureFile = Path | Inside
+"""Where a picture lies."""
