@@ -15,6 +15,7 @@ from typing import NoReturn, TextIO
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it, and after a polite kill."""
 _LINE = "lpslam: interrupted\n"
+_LEAVINGS: list[Callable[[], None]] = []
 _was_pressed = False
 _number = signal.SIGINT  # by which it was
 
@@ -38,15 +39,20 @@ def was_pressed() -> bool:
 def end(is_said: bool = False) -> NoReturn:
     """End at once: the reading engine may be at work in its thread, and tearing it down meanwhile would crash."""
     _close_ears()
-    remove: Callable[[], None] | None = getattr(sys.modules.get("lpslam.kernel_cache"), "remove_temporary", None)
-    if remove is not None:
-        remove()
+    for leave in _LEAVINGS:
+        with contextlib.suppress(Exception):
+            leave()
     try:
         sys.stderr.write("" if is_said else _LINE)
         sys.stderr.flush()
     except (OSError, ValueError):
         pass
     os._exit(INTERRUPTED)
+
+
+def at_end(leave: Callable[[], None]) -> None:
+    """Have something done also where the process ends at once; it removes what is temporary."""
+    _LEAVINGS.append(leave)
 
 
 def _close_ears() -> None:

@@ -14,6 +14,7 @@ from numba import njit
 from numba.core import config, event
 
 from lpslam.errors import UserError
+from lpslam.interruption import at_end
 
 logger = logging.getLogger(__name__)
 
@@ -50,6 +51,7 @@ def provide_cache(file: str) -> None:
         return
     _temporary = _new_folder()
     atexit.register(_remove, _temporary, os.getpid())
+    at_end(remove_temporary)
     os.environ["NUMBA_CACHE_DIR"] = str(_temporary)
     config.reload_config()  # type: ignore[no-untyped-call]
     event.register("numba:compile", _SaidOnce(Path(file).parent))  # type: ignore[no-untyped-call]

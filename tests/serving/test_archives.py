@@ -11,7 +11,7 @@ import pytest
 
 from lpslam.config import JobsConfig
 from lpslam.errors import UserError
-from lpslam.serving.jobs.archives import unpack
+from lpslam.sources.archives import unpack
 
 LIMITS = JobsConfig()
 

@@ -1,4 +1,4 @@
-"""Pictures that lie with many others in one file: numpy's, HDF5, MATLAB's, videos, OpenEXR; and what is hostile in them."""
+"""Pictures that lie with many others in one file: arrays, videos, OpenEXR; and what is hostile in them."""
 
 import io
 import pickle

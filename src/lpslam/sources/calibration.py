@@ -12,13 +12,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
 from lpslam.sources.calibrations.azure_raw import states_azure, tree_of_azure
 from lpslam.sources.calibrations.depth_units import DEPTH_DISPLACEMENT, DEPTH_SCALE, depth_unit, states_depth_unit
+from lpslam.sources.calibrations.extrinsics import transform_between
 from lpslam.sources.calibrations.forms import read_tree
-from lpslam.sources.registering.displacement import DepthDisplacement
+from lpslam.sources.registering.displacement import DepthDisplacement, Displacement, StatedRig
 from lpslam.sources.registering.lens_fit import WORTH_SAYING, five_of
 from lpslam.sources.yaml_tree import Tree
 
@@ -36,15 +38,27 @@ _PAIRS = {
 _WIDTH = ("width", "image_width", "w")
 _HEIGHT = ("height", "image_height", "h")
 _DEPTH_WIDTH, _DEPTH_HEIGHT = ("dw", "depth_width", "depth_w"), ("dh", "depth_height", "depth_h")
-_RESOLUTION = ("resolution", "image_size", "size")
-_DISTORTION = ("distortion", "distortion_coefficients", "distortion_coeffs", "dist_coeffs", "coeffs", "dist", "d")
+_RESOLUTION = ("resolution", "render_product_resolution", "image_size", "size")
+_DISTORTION = (
+    "distortion",
+    "distortion_coefficients",
+    "distortion_coeffs",
+    "dist_coeffs",
+    "distortion_coeff",
+    "coeffs",
+    "dist",
+    "d",
+)
 _KINDS = ("radial", "tangential")
 _DISTORTION_MODEL = ("distortion_model", "distortion_type", "camera_model", "model", "type")
 _LARGEST_RATIO, _LARGEST_SHIFT = 10.0, 10_000.0  # of focal lengths, and pixels: beyond it, nothing is in view
 _FPS = ("fps", "frame_rate", "framerate", "rate")
 _MODELS_NOT_SUPPORTED = ("equi", "fisheye", "kannala", "omni", "fov", "eucm", "double_sphere", "ds-", "mei")
+_APERTURES = ("camera_aperture", "horizontal_aperture", "sensor_width", "sensor_width_mm", "sensor_size", "aperture")
+_LENGTHS = ("camera_focal_length", "focal_length_mm", "focal_length", "focal")
 _VIEW = ("fov", "view", "hfov", "vfov", "dfov")
 _RESIZINGS, _CENTRAL = (2, 3, 4, 1.5), 0.3  # of images; the principal point lies in the middle of the calibration's own
+_SAME_VIEW = 0.01  # share of the width by which the numbers of two cameras of one view may differ
 _NEARLY = 0.85  # share of letters in common, of words that are one mistyped
 # Sections are tried in this order of what their names begin with; all others come between.
 _PREFERRED, _DEFERRED = ("camera", "cam0", "rgb", "color", "colour", "left"), ("depth", "ir", "infra", "imu", "right")
@@ -59,6 +73,8 @@ class Calibration:
         displacement: how depth lies beside colour, if not on it.
         is_scale_assumed: whether no depth scale is stated.
         depth_size: width and height of depth that shows the same view in fewer pixels, where that is stated.
+        depth_camera: the camera of depth, where one is stated beside that of colour.
+        colour_from_depth: 4×4 metres between them, where that is stated.
     """
 
     camera: PinholeCamera
@@ -66,6 +82,28 @@ class Calibration:
     displacement: DepthDisplacement | None = None
     is_scale_assumed: bool = False
     depth_size: tuple[int, int] | None = None
+    depth_camera: PinholeCamera | None = None
+    colour_from_depth: NDArray[np.float64] | None = None
+
+    def displacement_of(self, depth_size: tuple[int, int] | None) -> Displacement | None:
+        """How depth images of a size lie beside colour, as far as it is stated; None where they lie on it."""
+        camera, depth = self.camera, self.depth_camera
+        size = camera.width, camera.height
+        if self.displacement is not None or depth_size is None:
+            return self.displacement
+        if depth is None or (depth.width, depth.height) != depth_size:
+            # Fewer pixels of the same shape, and no other camera stated: phones' depth is such.
+            times = size[0] / depth_size[0]
+            is_whole = times.is_integer() and times > 1 and size[1] == times * depth_size[1]
+            is_same_view = depth_size == self.depth_size or (depth is None and is_whole)
+        else:
+            share = depth.width / camera.width
+            ours = np.array([camera.fx, camera.fy, camera.cx, camera.cy]) * share
+            theirs = np.array([depth.fx, depth.fy, depth.cx, depth.cy])
+            is_same_view = bool(np.abs(ours - theirs).max() <= _SAME_VIEW * depth.width)
+            if not is_same_view and self.colour_from_depth is not None:
+                return StatedRig(depth, camera, self.colour_from_depth)
+        return DepthDisplacement.between(depth_size, size) if is_same_view and depth_size != size else None
 
 
 def read_calibration(
@@ -123,7 +161,33 @@ def calibration_of(
     displacement = _displacement(scopes, path)
     if displacement is not None and share != 1.0:
         displacement = displacement.resized(share)
-    return Calibration(camera, tuple(notes), displacement, is_scale_assumed, _depth_size(scopes, (width, height)))
+    return Calibration(
+        camera,
+        tuple(notes),
+        displacement,
+        is_scale_assumed,
+        _depth_size(scopes, (width, height)),
+        _depth_camera(sections, section, path),
+        transform_between(each[0] for each in sections),
+    )
+
+
+def _depth_camera(sections: list[tuple[Tree, ...]], colour: Tree, path: Path) -> PinholeCamera | None:
+    """The camera of a section that is called depth, where it is stated whole."""
+    trees = [scopes[0] for scopes in sections]
+    named = [
+        tree for around in trees for name, tree in around.items() if name.startswith("depth") and tree is not colour
+    ]
+    section = next((tree for tree in named if isinstance(tree, dict) and _has_intrinsics(tree)), None)
+    size = _size((section,), path) if section is not None else None
+    if section is None or size is None:
+        return None
+    try:
+        matrix = _intrinsics(section, size, path, [])
+        return PinholeCamera(*size, *matrix, _distortion((section,), path, size, matrix, []))
+    except UserError:
+        # Colour's own is what counts.
+        return None
 
 
 def _units(tree: Tree, scopes: tuple[Tree, ...], path: Path, default: float, notes: list[str]) -> tuple[float, bool]:
@@ -196,7 +260,7 @@ def _rank(name: str) -> int:
 
 def _has_intrinsics(section: Tree) -> bool:
     names = (*(key for keys in _FOCAL.values() for key in keys), *_PAIRS[("fx", "fy")])
-    return any(key in section for key in names) or _matrix(section) is not None or bool(_views(section))
+    return any(key in section for key in names) or any(found(section) for found in (_matrix, _views, _in_aperture))
 
 
 def _intrinsics(
@@ -214,9 +278,9 @@ def _intrinsics(
             f"calibration {path}: the intrinsics have {len(matrix)} numbers; they must be 4 or a 3×3 matrix"
         )
     values: list[float] = []
-    paired, views = _paired(section), _views(section)
+    paired, views = _paired(section), _views(section) or _in_aperture(section)
     if views and size is not None:
-        if _find((section, paired), _FOCAL["fx"]) is None:
+        if _find((section, paired), _FOCAL["fx"]) is None or _in_aperture(section):
             paired |= _of_views(views, size, path)
         if all(_find((section, paired), _FOCAL[name]) is None for name in ("cx", "cy")):
             notes.append(f"{path.name} states no principal point: the image's middle is taken")
@@ -239,6 +303,17 @@ def _views(section: Tree) -> dict[str, object]:
         way = "d" if key.startswith("d") else "v" if key.startswith(("v", "y")) or words[-1] in ("v", "y") else "h"
         found[way] = value
     return found
+
+
+def _in_aperture(section: Tree) -> dict[str, object]:
+    """Fields of view of a focal length and a sensor's sides that are stated in millimetres, as renderers have them."""
+    focal, sides = _find((section,), _LENGTHS), _find((section,), _APERTURES)
+    lengths = [each for each in (_numbers(sides) if isinstance(sides, list) else [sides]) or [] if each is not None]
+    try:
+        angles = [2 * float(np.degrees(np.arctan(float(str(side)) / 2 / float(str(focal))))) for side in lengths[:2]]
+    except (ValueError, ZeroDivisionError):
+        return {}
+    return dict(zip(("h", "v"), angles, strict=False))
 
 
 def _of_views(views: dict[str, object], size: tuple[int, int], path: Path) -> Tree:

@@ -1,16 +1,22 @@
 """In which unit a recording counts time: seconds, or thousandths, millionths or billionths of them, or durations."""
 
+import itertools
 import math
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+
+from lpslam.errors import UserError
 
 Times = NDArray[np.float64]
 
 _UNITS = ((1.0, "seconds"), (1e3, "milliseconds"), (1e6, "microseconds"), (1e9, "nanoseconds"))
 _SLOWEST = 4.0
 """Seconds between frames at most: a thousandth of more is another unit's step, of a camera of 250 frames a second."""
+_MOST_SET_BACK = 3
+"""Times that a clock may be set back in one list; what goes back more often is in no order."""
 _EPOCH = (1e9, 1e11)
 """Between these, stamps are seconds since 1970, however slowly frames come ..."""
 _SLOWEST_EPOCH = 60.0
@@ -40,6 +46,31 @@ def in_seconds(times: Times) -> tuple[Times, str]:
         return times, ""
     factor, unit = next((each for each in _UNITS if step < _SLOWEST * each[0]), _UNITS[-1])
     return (times, "") if factor == 1.0 else (times / factor, f"its stamps are {unit}, which are converted to seconds")
+
+
+def set_back_at(times: Times) -> int | None:
+    """Where the clock of a list was set back (the number of its first stamp that comes before those ahead of it).
+
+    None for a list that rises, that is in no order at all, or whose parts follow one another in another order: sorting
+    makes these right, and weaves the stretches of a clock that was set back into one another.
+    """
+    drops = np.flatnonzero(np.diff(times) < 0) + 1
+    if not len(drops) or len(drops) > max(_MOST_SET_BACK, len(times) // 1000):
+        return None
+    edges = [0, *drops.tolist(), len(times)]
+    parts = sorted((times[begin:end].min(), times[begin:end].max()) for begin, end in itertools.pairwise(edges))
+    is_woven = any(first[1] > second[0] for first, second in itertools.pairwise(parts))
+    return int(drops[0]) if is_woven else None
+
+
+def refuse_set_back(times: Times, path: Path) -> None:
+    """Raise a `UserError` where the clock of a list was set back."""
+    at = set_back_at(times)
+    if at is not None:
+        raise UserError(
+            f"{path}: its clock goes back by {times[at - 1] - times[at]:.3g} between entries {at} and {at + 1}; "
+            "give times that rise, or cut the recording in two there"
+        )
 
 
 def power_of_ten_between(stamps: Sequence[int], logged: Sequence[int]) -> int:

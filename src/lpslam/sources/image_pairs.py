@@ -12,7 +12,7 @@ from lpslam.errors import UserError
 from lpslam.frames import FrameFault, RgbdFrame
 from lpslam.sources.images import BadImageError, image_size, read_colour, read_depth
 from lpslam.sources.inside import PictureFile
-from lpslam.sources.registering.displacement import DepthDisplacement
+from lpslam.sources.registering.displacement import Displacement
 from lpslam.sources.registering.registration import DepthRegistration
 
 logger = logging.getLogger(__name__)
@@ -45,10 +45,10 @@ class ImagePairSource:
         name: as in reports.
         camera: the calibration of the colour images, to which depth is registered.
         pairs: the frames; they are put in order of time.
-        invalid_depths: raw values besides 0 that mean "no depth".
         notes: what was assumed because the recording does not say it; one sentence each.
         listed_times: seconds of all colour and of all depth images, rising, where each kind has times of its own.
         displacement: how depth lies beside colour; it is registered then. Without, it is taken to be registered.
+        is_along_rays: depth is the distance from the camera, and not along its axis.
         may_displace: depth may have another size than colour, since how it lies is still to be found.
         is_scale_assumed: nothing states the camera's depth scale.
         max_frames: use only so many frames, from the first.
@@ -63,10 +63,10 @@ class ImagePairSource:
         camera: PinholeCamera,
         pairs: Sequence[ImagePair],
         *,
-        invalid_depths: tuple[int, ...] = (),
         notes: tuple[str, ...] = (),
         listed_times: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None,
-        displacement: DepthDisplacement | None = None,
+        displacement: Displacement | None = None,
+        is_along_rays: bool = False,
         may_displace: bool = False,
         is_scale_assumed: bool = False,
         max_frames: int | None = None,
@@ -78,12 +78,12 @@ class ImagePairSource:
         self._name = name
         self._camera = camera
         self._pairs = sorted(pairs, key=lambda pair: pair.timestamp)[:max_frames]
-        self._invalid_depths = invalid_depths
         self._faults: list[FrameFault] = []
         self.notes = notes
         self.listed_times = listed_times
         self.displacement = displacement
         self._may_displace = may_displace
+        self._along_axis = axis_by_ray(camera) if is_along_rays else None
         self.is_scale_assumed = is_scale_assumed
         self._registrations: dict[tuple[int, ...], DepthRegistration] = {}
         _refuse_other_size(name, camera, self._pairs, is_registered=displacement is None and not may_displace)
@@ -150,7 +150,7 @@ class ImagePairSource:
             raise UserError(f"{self._name}: no frame lies between --from and --to; it lasts {length:.1f} s")
         return self._again(self._camera, kept, self.displacement, max_frames)
 
-    def registered(self, displacement: DepthDisplacement) -> "ImagePairSource":
+    def registered(self, displacement: Displacement) -> "ImagePairSource":
         """The same recording, its depth registered by where it was found to lie."""
         return self._again(self._camera, self._pairs, displacement, None)
 
@@ -162,7 +162,7 @@ class ImagePairSource:
         self,
         camera: PinholeCamera,
         pairs: Sequence[ImagePair],
-        displacement: DepthDisplacement | None,
+        displacement: Displacement | None,
         max_frames: int | None,
     ) -> "ImagePairSource":
         """Some of the frames, without the notes, which were said."""
@@ -170,9 +170,9 @@ class ImagePairSource:
             self._name,
             camera,
             pairs,
-            invalid_depths=self._invalid_depths,
             listed_times=self.listed_times,
             displacement=displacement,
+            is_along_rays=self._along_axis is not None,
             may_displace=self._may_displace,
             is_scale_assumed=self.is_scale_assumed,
             max_frames=max_frames,
@@ -184,7 +184,7 @@ class ImagePairSource:
         depths = []
         for row in np.unique(np.linspace(0, len(usable) - 1, count).astype(int)) if usable else ():
             try:
-                depths.append(read_depth(usable[row], self._camera.depth_scale, self._invalid_depths))
+                depths.append(read_depth(usable[row], self._camera.depth_scale))
             except BadImageError:
                 continue
         return depths
@@ -211,14 +211,16 @@ class ImagePairSource:
         _refuse_size(pair.colour, rgb.shape[:2], wanted)
         if pair.depth is None:
             return RgbdFrame(index, pair.timestamp, rgb, np.zeros(wanted, np.float32))
-        depth = read_depth(pair.depth, self._camera.depth_scale, self._invalid_depths)
+        depth = read_depth(pair.depth, self._camera.depth_scale)
         if self.displacement is not None:
             depth = self._registered(depth, self.displacement)
         elif not self._may_displace:
             _refuse_size(pair.depth, depth.shape, wanted)
+        if self._along_axis is not None:
+            depth *= self._along_axis
         return RgbdFrame(index, pair.timestamp, rgb, depth)
 
-    def _registered(self, depth: NDArray[np.float32], displacement: DepthDisplacement) -> NDArray[np.float32]:
+    def _registered(self, depth: NDArray[np.float32], displacement: Displacement) -> NDArray[np.float32]:
         if depth.shape not in self._registrations:
             rig = displacement.rig((depth.shape[1], depth.shape[0]), (self._camera.width, self._camera.height))
             self._registrations[depth.shape] = DepthRegistration(rig)
@@ -228,6 +230,13 @@ class ImagePairSource:
 def _refuse_size(path: PictureFile, found: tuple[int, ...], wanted: tuple[int, int]) -> None:
     if found != wanted:
         raise BadImageError(f"{path.name} is {found[1]}×{found[0]}; the camera is {wanted[1]}×{wanted[0]}")
+
+
+def axis_by_ray(camera: PinholeCamera) -> NDArray[np.float32]:
+    """What takes the distance along a pixel's ray to that along the camera's axis: (height, width), at most 1."""
+    across = (np.arange(camera.width) - camera.cx) / camera.fx
+    down = (np.arange(camera.height) - camera.cy) / camera.fy
+    return np.asarray(1.0 / np.sqrt(1.0 + across[None, :] ** 2 + down[:, None] ** 2), np.float32)
 
 
 def in_depth_pauses(times: NDArray[np.float64], depth_times: NDArray[np.float64], pause: float) -> NDArray[np.bool_]:

@@ -17,6 +17,8 @@ from lpslam.errors import LpSlamError, MissingExtraError
 from lpslam.sources.inside import Inside, PictureFile
 
 _PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+_SATURATED = 65504
+"""The largest number of a float of 16 bits, below the largest integer: no depth, or more than can be told."""
 _EXR_SIGNATURE = b"v/1\x01"
 _DECODED = frozenset((".npy", ".npz", ".exr"))
 """Files whose size is known when they are decoded."""
@@ -58,13 +60,12 @@ def _as_colour(picture: NDArray[Any], name: str) -> NDArray[np.uint8]:
     return np.ascontiguousarray(picture[:, :, :3])
 
 
-def read_depth(path: PictureFile, depth_scale: float, invalid: tuple[int, ...] = ()) -> NDArray[np.float32]:
-    """Read a depth image as (height, width) float32 metres; 0 where there is none.
+def read_depth(path: PictureFile, depth_scale: float) -> NDArray[np.float32]:
+    """Read a depth image as (height, width) float32 metres; 0 where there is none, and where its type allows no more.
 
     Args:
         path: a 16-bit image in raw units, or a floating-point one in raw units.
         depth_scale: raw units in a metre.
-        invalid: raw values besides 0 that mean "no depth".
 
     Raises:
         BadImageError: missing, truncated, or no depth image.
@@ -79,8 +80,7 @@ def read_depth(path: PictureFile, depth_scale: float, invalid: tuple[int, ...] =
     depth *= np.float32(1.0 / depth_scale)
     if raw.dtype == np.float32:
         depth[~(np.isfinite(depth) & (depth > 0))] = 0.0
-    for value in invalid:
-        depth[raw == value] = 0.0
+    depth[raw >= _SATURATED] = 0.0
     return depth
 
 

@@ -46,8 +46,9 @@ class Inside:
 
     @property
     def stem(self) -> str:
-        """Its number alone."""
-        return str(self.index)
+        """Its number alone, or the name that it has in the holder."""
+        named = getattr(self.holder, "name_of", None)
+        return str(self.index) if named is None else str(named(self.index))
 
     @property
     def parent(self) -> Path:

@@ -1,14 +1,20 @@
 """Opening a recording whatever its format, guessed from the path."""
 
 import logging
+import shutil
+import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
-from lpslam.config import CalibrationCheckConfig, PairingConfig
+import numpy as np
+
+from lpslam.config import CalibrationCheckConfig, JobsConfig, PairingConfig
 from lpslam.errors import UserError
+from lpslam.interruption import at_end
 from lpslam.regular_files import is_regular
+from lpslam.sources.archives import unpack
 from lpslam.sources.bags.topics import TopicChoice
 from lpslam.sources.captures.layouts import CAPTURES
 from lpslam.sources.focal_check import doubts_about_focal
@@ -24,6 +30,7 @@ from lpslam.sources.plausibility import (
 )
 from lpslam.sources.recorded import RecordedSource
 from lpslam.sources.registering.by_contours import find_displacement, looks_displaced
+from lpslam.sources.registering.displacement import DepthDisplacement
 from lpslam.sources.sevenscenes import looks_like_seven_scenes, open_seven_scenes
 from lpslam.sources.tum import looks_like_tum, open_tum
 
@@ -114,6 +121,10 @@ FORMATS = (
 _ANY_FOLDER = FORMATS[-1]
 """What is tried last, where no layout is known."""
 _ARCHIVES = frozenset((".zip", ".tar", ".gz", ".tgz", ".bz2", ".xz", ".zst", ".7z", ".rar"))
+_SHARE_OF_DISK = 0.8
+"""Of the free room of the disk for temporary files, that an archive may take."""
+_UNPACKED: dict[tuple[str, int, int], tempfile.TemporaryDirectory[str]] = {}
+_MILLIMETRES = 1000.0
 BAGS = "a ROS bag (.bag, .db3, .mcap)"
 
 
@@ -195,13 +206,18 @@ def _opened(
         if not place.is_dir() and not is_regular(place):
             raise UserError(f"{place} is a device or a pipe, which cannot be read twice; give a file or a folder")
         found = next((layout for layout in FORMATS if layout.is_at(place)), None)
-        if found is _ANY_FOLDER and place.is_dir() and _hint(place):
+        if found in (None, _ANY_FOLDER) and place.is_dir() and not _is_bag(place):
+            inner = _recordings_in(place)
+            if len(inner) == 1:
+                logger.warning("%s: the recording in it, %s, is opened", place.name, inner[0].name)
+                beside = calibration or _calibration_beside(place, inner[0])
+                return _opened(inner[0], beside, max_frames, options, nominal=nominal)
             # A folder of recordings is none itself.
-            found = None
+            found = None if inner else found
         if found is None and (_is_bag(place) or (place.is_file() and not place.stat().st_size)):
             return _open_bag(place, calibration, max_frames, options)
         if found is None and place.suffix.lower() in _ARCHIVES:
-            raise UserError(f"{place} is an archive; unpack it, and give the folder that holds the pictures")
+            return _opened(_unpacked(place), calibration, max_frames, options, nominal=nominal)
         if found is None and place.is_file():
             raise UserError(f"{place} is a file; give the folder of a recording ({_signs()}), or {BAGS}")
         if found is None:
@@ -217,11 +233,45 @@ def _opened(
         raise UserError(f"{error.filename or place} cannot be read ({error.strerror or error})") from error
 
 
+def _unpacked(archive: Path) -> Path:
+    """The folder, or the only file, that an archive holds; it lies unpacked until the process ends.
+
+    Raises:
+        UserError: it is no archive that can be read, holds what is refused, or more than the disk has room for.
+    """
+    status = archive.stat()
+    key = str(archive.resolve()), status.st_mtime_ns, status.st_size
+    if key not in _UNPACKED:
+        kept = tempfile.TemporaryDirectory(prefix="lpslam-")
+        at_end(kept.cleanup)
+        try:
+            room = int(shutil.disk_usage(kept.name).free * _SHARE_OF_DISK)
+            logger.warning("%s: the archive is unpacked into %s until the end", archive.name, kept.name)
+            unpack(archive, Path(kept.name), JobsConfig(unpacked_bytes=max(room, 1)))
+        except UserError as error:
+            kept.cleanup()
+            raise UserError(f"{archive}: {error}") from error
+        _UNPACKED[key] = kept
+    inner = Path(_UNPACKED[key].name)
+    while inner.is_dir() and len(entries := list(inner.iterdir())) == 1:
+        inner = entries[0]
+    return inner
+
+
 def _scaled(source: RecordedSource, checks: CalibrationCheckConfig) -> RecordedSource:
     """The recording with the depth scale that its depth tells, where nothing states another."""
-    if not isinstance(source, ImagePairSource) or not source.is_scale_assumed:
+    if not isinstance(source, ImagePairSource):
         return source
-    scale = fitting_depth_scale(source.sample_depths(checks.depth_frames), source.camera, checks)
+    depths = source.sample_depths(checks.depth_frames)
+    if not source.is_scale_assumed:
+        scale = _MILLIMETRES * source.camera.depth_scale
+        is_possible = [not any(doubt.is_fatal for doubt in doubts_about_depth(each, source.camera, checks))
+                       for each in (depths, [depth / np.float32(_MILLIMETRES) for depth in depths])]  # fmt: skip
+        if is_possible != [False, True] or not source.camera.depth_scale < _MILLIMETRES:
+            return source
+        logger.warning("%s: the stated length of a raw unit of depth is taken as millimetres, not metres", source.name)
+        return source.rescaled(scale)
+    scale = fitting_depth_scale(depths, source.camera, checks)
     if scale == source.camera.depth_scale:
         return source
     logger.warning(
@@ -258,7 +308,10 @@ def _other_doubts(source: RecordedSource, checks: CalibrationCheckConfig) -> lis
 
 def _doubts_about_registration(source: RecordedSource, checks: CalibrationCheckConfig) -> list[Doubt]:
     """Only of folders, which do not tell: bags say where their cameras stand."""
-    if not isinstance(source, ImagePairSource) or source.displacement is not None:
+    if not isinstance(source, ImagePairSource):
+        return []
+    stated = source.displacement
+    if stated is not None and not (isinstance(stated, DepthDisplacement) and stated.is_none):
         return []
     frames = source.sample_frames(checks.registration.frames)
     if not looks_displaced(frames, checks.registration):
@@ -279,8 +332,23 @@ def _signs() -> str:
 
 
 def _hint(folder: Path) -> str:
-    """Name a subfolder that is a recording, if there is one: archives often unpack to one folder more."""
-    for child in sorted(child for child in folder.iterdir() if child.is_dir())[:100]:
-        if any(layout.is_at(child) for layout in FORMATS[:-1]):
-            return f"; did you mean {child}?"
-    return ""
+    """Name a subfolder that is a recording, if there is one."""
+    inner = _recordings_in(folder)
+    return f"; did you mean {inner[0]}?" if inner else ""
+
+
+def _recordings_in(folder: Path) -> list[Path]:
+    """Subfolders that are recordings in a known layout: archives often unpack to one folder more."""
+    children = sorted(child for child in folder.iterdir() if child.is_dir())[:100] if folder.is_dir() else []
+    return [child for child in children if any(layout.is_at(child) for layout in FORMATS[:-1]) or _is_bag(child)]
+
+
+def _calibration_beside(folder: Path, inner: Path) -> Path | None:
+    """The only file beside a recording that states a camera; None where the recording has one of its own."""
+    from lpslam.sources.captures.stated import files_that_state
+
+    texts = [path for path in sorted(folder.iterdir()) if path.is_file()]
+    stated = files_that_state(texts)
+    if len(stated) != 1 or files_that_state([path for path in sorted(inner.iterdir()) if path.is_file()]):
+        return None
+    return stated[0]

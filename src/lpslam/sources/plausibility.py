@@ -129,6 +129,8 @@ def doubts_about_depth(
     readings = _readings(depths)
     if not readings:
         return []
+    if len(readings) > 1 and all(reading.min() == reading.max() == readings[0][0] for reading in readings):
+        return [Doubt(f"its depth is {readings[0][0]:.3g} m everywhere and always: it shows no room", is_fatal=True)]
     median = float(np.median([np.median(reading) for reading in readings]))
     farthest = float(np.median([np.percentile(reading, 95) for reading in readings]))
     nearest, remotest = config.usual_median_depth

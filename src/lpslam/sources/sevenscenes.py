@@ -11,12 +11,12 @@ from lpslam.config import PairingConfig
 from lpslam.errors import UserError
 from lpslam.regular_files import text_of
 from lpslam.sources.calibration import Calibration, read_calibration
+from lpslam.sources.captures.stated import calibration_among
 from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size, in_depth_pauses
 from lpslam.sources.inside import PictureFile
 
 FRAMES_PER_SECOND = 30.0
 _DEPTH_SCALE = 1000.0
-_NO_DEPTH = 65535
 _INTRINSICS = "camera-intrinsics.txt"
 _COLOUR = re.compile(r"frame-(\d+)\.color\.(?:jpe?g|png)", re.IGNORECASE)
 
@@ -67,7 +67,6 @@ def open_seven_scenes(
         folder.resolve().name,
         calibration.camera,
         pairs,
-        invalid_depths=(_NO_DEPTH,),
         notes=calibration.notes,
         displacement=calibration.displacement,
         may_displace=nominal,
@@ -83,6 +82,10 @@ def _find_calibration(folder: Path, camera_file: Path | None, colours: list[Pict
     width, height = size or (640, 480)
     path = folder / _INTRINSICS
     if not path.is_file():
+        others = [each for each in sorted(folder.iterdir()) if each.is_file() and not each.name.startswith("frame-")]
+        found = calibration_among(folder, others, size, _DEPTH_SCALE)
+        if found is not None:
+            return found
         camera = PinholeCamera(width, height, 585.0, 585.0, 320.0, 240.0, depth_scale=_DEPTH_SCALE)
         return Calibration(camera, (f"no {_INTRINSICS}: the focal length 585 of 7-Scenes is used",))
     try:

@@ -10,8 +10,8 @@ from lpslam.config import PairingConfig
 from lpslam.errors import UserError
 from lpslam.regular_files import text_of
 from lpslam.sources.calibration import Calibration, read_calibration
-from lpslam.sources.captures.stated import calibration_among
-from lpslam.sources.clocks import in_seconds
+from lpslam.sources.captures.stated import calibration_among, with_stated_units
+from lpslam.sources.clocks import in_seconds, refuse_set_back
 from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size, in_depth_pauses
 from lpslam.timestamps import associate, usual_tolerance
 
@@ -98,7 +98,7 @@ def open_tum(
         pairs,
         notes=notes,
         listed_times=(colour_times, depth_times),
-        displacement=calibration.displacement,
+        displacement=calibration.displacement_of(first_image_size([path for _, path in depths])),
         may_displace=nominal,
         is_scale_assumed=calibration.is_scale_assumed,
         max_frames=max_frames,
@@ -108,9 +108,10 @@ def open_tum(
 def _find_calibration(folder: Path, camera_file: Path | None, colours: list[Path], nominal: bool) -> Calibration:
     own = [folder / name for name in CAMERA_FILES if (folder / name).is_file()]
     size = first_image_size(colours)
-    if camera_file is not None or len(own) == 1:
-        return read_calibration(camera_file or own[0], image_size=size, default_depth_scale=DEPTH_SCALE)
     others = [path for path in sorted(folder.iterdir()) if path.is_file() and path.name not in _LISTS]
+    if camera_file is not None or len(own) == 1:
+        stated = read_calibration(camera_file or own[0], image_size=size, default_depth_scale=DEPTH_SCALE)
+        return with_stated_units(stated, others)
     found = calibration_among(folder, own or others, size, DEPTH_SCALE)
     if found is not None:
         return found
@@ -150,6 +151,7 @@ def _read_list(path: Path) -> tuple[list[tuple[float, Path]], str]:
         entries.append((timestamp, path.parent / words[1].strip()))
     if not entries:
         raise UserError(f"{path} lists no images; each line is a timestamp and a file name")
+    refuse_set_back(_times(entries), path)
     seconds, note = in_seconds(_times(entries))
     timed = [(float(second), image) for second, (_, image) in zip(seconds, entries, strict=True)]
     return sorted(timed, key=lambda entry: entry[0]), note

@@ -28,6 +28,12 @@ def _construct_untagged(loader: _LenientLoader, _: str, node: yaml.Node) -> Any:
 _LenientLoader.add_multi_constructor("", _construct_untagged)
 
 
+CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])")
+"""Where a word begins within a name."""
+_MOST_LISTED = 64
+"""Cameras and the like; a longer list is one of frames."""
+
+
 def yaml_tree_of(text: str, path: Path, what: str) -> Tree:
     """The tree of a YAML or JSON text whose top is a mapping; `Camera.fx` becomes fx under camera.
 
@@ -65,12 +71,23 @@ def _json_of(text: str) -> Tree | None:
 def _lower(tree: dict[Any, Any]) -> Tree:
     lowered: Tree = {}
     for key, value in tree.items():
-        *sections, name = str(key).lower().split(".")
+        *sections, name = CAMEL.sub("_", str(key)).lower().split(".")
         inner = lowered
         for section in sections:
             child = inner.get(section)
             if not isinstance(child, dict):
                 child = inner[section] = {}
             inner = child
-        inner[name] = _lower(value) if isinstance(value, dict) else value
+        inner[name] = _lower(value) if isinstance(value, dict) else _listed(value)
     return lowered
+
+
+def _listed(value: Any) -> Any:
+    """A list of mappings, or of names and mappings, as a mapping; anything else as it is."""
+    if not isinstance(value, list) or not 0 < len(value) <= _MOST_LISTED:
+        return value
+    if all(isinstance(each, dict) for each in value):
+        return _lower({str(index): each for index, each in enumerate(value)})
+    if all(isinstance(each, list) and len(each) == 2 and isinstance(each[1], dict) for each in value):
+        return _lower({str(each[0]): each[1] for each in value})
+    return value

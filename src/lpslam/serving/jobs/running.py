@@ -11,8 +11,8 @@ from typing import Any
 
 from lpslam.config import Config
 from lpslam.errors import LpSlamError, UserError
-from lpslam.serving.jobs.archives import unpack
 from lpslam.serving.jobs.fences import kernel_places, limit_resources, read_only_inside
+from lpslam.sources.archives import unpack
 from lpslam.views.drawable import printable
 
 RECORDING, MAP = "recording", "map.lpmap"

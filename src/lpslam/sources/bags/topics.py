@@ -103,8 +103,9 @@ def chosen_topics(container: Container, choice: TopicChoice) -> ChosenTopics:
         if info is None:
             raise UserError(f"{container.path} has no calibration {choice.info}; {_offered(infos)}")
     else:
-        info = _info_of(colour.name, infos)
-    return ChosenTopics(colour, depth, info, _info_of(depth.name, infos))
+        info = _info_of(colour.name, infos) or _info_by_frame(container, colour, infos, is_only=len(infos) == 1)
+    depth_info = _info_of(depth.name, infos) or _info_by_frame(container, depth, infos, is_only=False)
+    return ChosenTopics(colour, depth, info, depth_info)
 
 
 def first_of(container: Container, topic: Topic) -> Any:
@@ -172,6 +173,20 @@ def _info_of(picture: str, infos: Sequence[Topic]) -> Topic | None:
         if picture.startswith(base) and (best is None or len(base) > best[0]):
             best = len(base), topic
     return None if best is None else best[1]
+
+
+def _info_by_frame(
+    container: Container, picture: PictureTopic, infos: Sequence[Topic], *, is_only: bool
+) -> Topic | None:
+    """The calibration that is stamped with the pictures' frame, or the only one where that counts."""
+    frame = _frame_of(picture.first)
+    same = [topic for topic in infos if frame and _frame_of(first_of(container, topic)) == frame]
+    chosen = same if same or not is_only else infos
+    return chosen[0] if len(chosen) == 1 else None
+
+
+def _frame_of(message: Any) -> str:
+    return str(getattr(getattr(message, "header", None), "frame_id", ""))
 
 
 def _camera_name(name: str) -> str:

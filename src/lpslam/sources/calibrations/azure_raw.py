@@ -7,7 +7,7 @@ from typing import Any
 
 from lpslam.sources.yaml_tree import Tree
 
-_COLOUR, _TOP = "PV0", "calibrationinformation"
+_COLOUR, _TOP = "PV0", "calibration_information"
 _FULL_ASPECT = 3 / 4
 """Height by width of the colour sensor; of its wider modes rows are cut off at the top and at the bottom."""
 # Width and height of a depth mode, to the size of the image that its calibration is in parts of, and what is cut off at
@@ -26,7 +26,7 @@ def tree_of_azure(tree: Tree, image_size: tuple[int, int] | None) -> Tree | None
     if camera is None or image_size is None:
         return None
     try:
-        matrix, terms = azure_lens(_lower(_lower(camera)["intrinsics"])["modelparameters"], image_size, is_depth=False)
+        matrix, terms = azure_lens(camera["intrinsics"]["model_parameters"], image_size, is_depth=False)
     except (KeyError, TypeError, ValueError):
         return None
     named = dict(zip(("fx", "fy", "cx", "cy"), matrix, strict=True))
@@ -60,10 +60,6 @@ def azure_lens(
 def _cameras(tree: Tree) -> dict[str, Any]:
     """By place."""
     around = tree.get(_TOP)
-    listed = _lower(around).get("cameras") if isinstance(around, dict) else None
-    cameras = [_lower(each) for each in listed if isinstance(each, dict)] if isinstance(listed, list) else []
+    listed = around.get("cameras") if isinstance(around, dict) else None
+    cameras = [each for each in listed.values() if isinstance(each, dict)] if isinstance(listed, dict) else []
     return {str(each.get("location")): each for each in cameras}
-
-
-def _lower(tree: Any) -> Tree:
-    return {str(key).lower(): value for key, value in tree.items()}

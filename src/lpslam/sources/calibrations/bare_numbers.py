@@ -27,7 +27,8 @@ def tree_of_numbers(text: str, image_size: tuple[int, int] | None) -> Tree | Non
     if rows is None:
         return None
     for first in range(len(rows)):
-        for count in (3, 4):
+        # Four rows first: the last of a 4×4 matrix alone would be terms of distortion.
+        for count in (4, 3):
             matrix = matrix_of(_joined(rows[first : first + count]))
             if matrix is not None:
                 return _with_rest(matrix, [*rows[:first], *rows[first + count :]])

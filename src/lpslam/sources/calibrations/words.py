@@ -12,7 +12,7 @@ from pathlib import Path
 from lpslam.errors import UserError
 from lpslam.sources.calibrations.bare_numbers import matrix_of
 from lpslam.sources.calibrations.depth_words import depth_of_lines
-from lpslam.sources.yaml_tree import Tree
+from lpslam.sources.yaml_tree import CAMEL, Tree
 
 _NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d{1,30}(?:\.\d{0,30})?|\.\d{1,30})(?:[eE][-+]?\d{1,3})?")
 _WORD = re.compile(r"[a-z]+\d?")
@@ -162,7 +162,7 @@ def _put(tree: Tree, key: str, value: float, path: Path) -> None:
 
 
 def _statements(line: str) -> Iterator[_Statement]:
-    text = re.sub(r"(?<=\d)\s?[x×X*]\s?(?=\d)", " , ", line.lower())
+    text = re.sub(r"(?<=\d)\s?[x×X*]\s?(?=\d)", " , ", CAMEL.sub(" ", line).lower())
     text = re.sub(r"\b(f|c|fl)_([xyuv])\b", r"\1\2", text)
     end, words, numbers, axes = 0, [""], list[float](), list[str]()
     for found in _NUMBER.finditer(text):

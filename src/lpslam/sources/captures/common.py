@@ -36,8 +36,8 @@ def decoded_colour(data: bytes, name: str) -> NDArray[np.uint8]:
 
 
 def number_of(path: PictureFile) -> int | None:
-    """The last number in a picture's name."""
-    digits = re.findall(r"\d{1,30}", path.stem)
+    """The last number in a picture's name, or in that of its folder where each has one."""
+    digits = re.findall(r"\d{1,30}", path.stem) or re.findall(r"\d{1,30}", path.parent.name)
     return int(digits[-1]) if digits else None
 
 

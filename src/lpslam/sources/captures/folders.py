@@ -23,11 +23,11 @@ from lpslam.sources.captures.series import Pictures, Series
 from lpslam.sources.captures.stated import calibration_among
 from lpslam.sources.captures.tables import Listing, listing_of, times_in_names
 from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size, in_depth_pauses
-from lpslam.sources.inside import PictureFile
-from lpslam.sources.registering.displacement import DepthDisplacement
+from lpslam.sources.inside import Inside, PictureFile
 from lpslam.timestamps import associate, usual_tolerance
 
 _Times = NDArray[np.float64]
+Size = tuple[int, int]
 _MILLIMETRES = 1000.0
 
 
@@ -56,24 +56,27 @@ def open_capture(
         missing = "colour" if colour is None else "depth"
         raise UserError(f"{folder}: no two {missing} pictures of one kind lie there; depth has one channel of 16 bits")
     listing = listing_of(pictures.texts, [colour.paths, depth.paths])
-    size = first_image_size(list(colour.paths))
-    calibration = _calibration(folder, camera_file, pictures, size, nominal)
+    if depth.is_disparity:
+        raise UserError(
+            f"{folder}: {depth.paths[0].name} and the like are called disparity; write depth instead: focal length in "
+            "pixels times baseline in metres, divided by the disparity in pixels"
+        )
+    size, depth_size = first_image_size(list(colour.paths)), first_image_size(list(depth.paths))
+    calibration = _calibration(folder, camera_file, pictures, (size, depth_size), nominal)
     pairs, notes, times = _paired(folder, colour, depth, listing, calibration.camera.fps, pairing or PairingConfig())
     if depth.is_float:
         # Fractions are metres; a scale that is stated is that of whole numbers.
         camera = replace(calibration.camera, depth_scale=1.0)
         kept = tuple(note for note in calibration.notes if "depth_scale" not in note)
         calibration = replace(calibration, camera=camera, notes=kept, is_scale_assumed=True)
-    displacement, depth_size = calibration.displacement, first_image_size(list(depth.paths))
-    if displacement is None and depth_size is not None and depth_size == calibration.depth_size:
-        displacement = DepthDisplacement.between(depth_size, (calibration.camera.width, calibration.camera.height))
     return ImagePairSource(
         folder.stem if folder.is_file() else folder.resolve().name,
         calibration.camera,
         pairs,
         notes=(*calibration.notes, *pictures.notes, *notes),
         listed_times=times,
-        displacement=displacement,
+        displacement=calibration.displacement_of(depth_size),
+        is_along_rays=depth.is_along_rays,
         may_displace=nominal,
         is_scale_assumed=calibration.is_scale_assumed,
         max_frames=max_frames,
@@ -142,18 +145,28 @@ def _share_a_clock(one: _Times, other: _Times) -> bool:
 
 def _by_number(colours: Sequence[PictureFile], depths: Sequence[PictureFile]) -> dict[PictureFile, PictureFile]:
     """Pictures of equal numbers; of as many without numbers, those in the same place in order."""
-    by_number = {number_of(path): path for path in depths if number_of(path) is not None}
-    if not by_number and len(colours) == len(depths):
-        return dict(zip(colours, depths, strict=True))
-    return {path: by_number[number_of(path)] for path in colours if number_of(path) in by_number}
+    numbers, of_colours = [number_of(path) for path in depths], [number_of(path) for path in colours]
+    if None in numbers or len(set(numbers)) < len(numbers):
+        return dict(zip(colours, depths, strict=True)) if len(colours) == len(depths) else {}
+    by_number = dict(zip(numbers, depths, strict=True))
+    if isinstance(colours[0], Inside) != isinstance(depths[0], Inside):
+        # Within a video or an array counting begins at 0; in names often at 1.
+        counted, named = (of_colours, numbers) if isinstance(colours[0], Inside) else (numbers, of_colours)
+        first = min(number for number in named if number is not None) if None not in named else 0
+        shift = first - min(number or 0 for number in counted)
+        shift = (shift if isinstance(colours[0], Inside) else -shift) if first == 1 else 0
+        of_colours = [None if number is None else number + shift for number in of_colours]
+    return {path: by_number[number] for path, number in zip(colours, of_colours, strict=True) if number in by_number}
 
 
 def _calibration(
-    folder: Path, camera_file: Path | None, pictures: Pictures, size: tuple[int, int] | None, nominal: bool
+    folder: Path, camera_file: Path | None, pictures: Pictures, sizes: tuple[Size | None, Size | None], nominal: bool
 ) -> Calibration:
+    """The calibration for images of the sizes of colour and of depth."""
+    size, depth_size = sizes
     if camera_file is not None:
         return read_calibration(camera_file, image_size=size, default_depth_scale=_MILLIMETRES)
-    found = calibration_among(folder, pictures.texts, size, _MILLIMETRES, pictures.trees)
+    found = calibration_among(folder, pictures.texts, size, _MILLIMETRES, pictures.trees, depth_size)
     if found is not None:
         return found
     width, height = size or (640, 480)

@@ -15,20 +15,21 @@ from pathlib import Path
 import numpy as np
 
 from lpslam.errors import UserError
-from lpslam.sources.captures.holders import arrays, videos
+from lpslam.sources.captures.holders import arrays, bare, videos
 from lpslam.sources.captures.holders.arrays import Arrays, arrays_of
 from lpslam.sources.captures.holders.stacks import COLOUR_WORDS, DEPTH_WORDS, OTHER_WORDS
 from lpslam.sources.captures.holders.videos import DeepVideo, Video
-from lpslam.sources.images import BadImageError, read_raw
+from lpslam.sources.images import BadImageError, image_size, read_raw
 from lpslam.sources.inside import Holder, Inside, PictureFile
 from lpslam.sources.yaml_tree import Tree
 
-_IMAGES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".exr")
+_IMAGES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".pfm", ".exr")
 _PICTURES = frozenset((*_IMAGES, ".npy", ".npz"))
-_HOLDERS = videos.SUFFIXES | arrays.SUFFIXES
+_HOLDERS = videos.SUFFIXES | arrays.SUFFIXES | bare.SUFFIXES
 _DEPTH = (*DEPTH_WORDS, "disp")
+_ALONG_RAYS = ("distance_to_camera", "euclidean", "ray_depth", "radial")
 _REGISTERED = ("align", "regist", "_to_")
-_DEEPEST, _MOST_FILES, _MOST_ALIKE = 3, 400_000, 20
+_DEEPEST, _MOST_FILES, _MOST_ALIKE = 5, 400_000, 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,12 +41,16 @@ class Series:
         is_depth: one channel of more than eight bits.
         is_float: of fractions: metres, as a rule.
         holder: the one file in which all lie; None where each is a file.
+        is_disparity: it is called so.
+        is_along_rays: it is called the distance to the camera, as Isaac Sim has it, and not to its plane.
     """
 
     paths: tuple[PictureFile, ...]
     is_depth: bool
     is_float: bool = False
     holder: Holder | None = None
+    is_disparity: bool = False
+    is_along_rays: bool = False
 
 
 @dataclass(eq=False)
@@ -101,11 +106,24 @@ class Pictures:
 
     @cached_property
     def depth(self) -> Series | None:
-        """Of several the one registered to colour, and then the longest; a video where no pictures are."""
-        return self._best(True, _REGISTERED) or self._video(is_depth=True)
+        """Of several the one registered to colour, and then the longest; raw files or a video where no pictures are."""
+        return self._best(True, _REGISTERED) or self._bare() or self._video(is_depth=True)
+
+    def _bare(self) -> Series | None:
+        """Files of sixteen bits a pixel without a header, as many of one length as fit colour's size."""
+        size = image_size(self.colour.paths[0]) if self.colour is not None else None
+        if size is None:
+            return None
+        for group in _of_one_kind(path for path in self.files if path.suffix.lower() in bare.SUFFIXES):
+            if len(group) > 1 and all(path.stat().st_size == bare.length_of(size) for path in group):
+                return _series_in(bare.BareFiles(sorted(group, key=_order), size), True, is_float=False)
+        return None
 
     def _best(self, is_depth: bool, words: tuple[str, ...]) -> Series | None:
         of_kind = [each for each in self.series if each.is_depth == is_depth]
+        if not is_depth:
+            # Depth in false colours is to be looked at.
+            of_kind = [each for each in of_kind if not self._says(each, DEPTH_WORDS)] or of_kind
         return max(of_kind, key=lambda each: (self._says(each, words), len(each.paths)), default=None)
 
     def _video(self, *, is_depth: bool) -> Series | None:
@@ -162,22 +180,39 @@ def _walk(folder: Path, levels: int) -> Iterator[Path]:
 
 def _of_one_kind(paths: Iterable[Path]) -> list[list[Path]]:
     """Files that lie together and are called alike but for their numbers."""
-    groups: dict[tuple[Path, str, str], list[Path]] = {}
+    groups: dict[tuple[Path, str, str, str], list[Path]] = {}
     for path in paths:
-        letters = re.sub(r"[\d.\-_:T]+", "#", path.stem)
-        groups.setdefault((path.parent, path.suffix.lower(), letters), []).append(path)
-    return list(groups.values())
+        groups.setdefault((path.parent, "", path.suffix.lower(), _letters(path.stem)), []).append(path)
+    whole: dict[tuple[Path, str, str, str], list[Path]] = {}
+    for key, members in groups.items():
+        # A folder for each frame: what is called alike in all of them belongs together.
+        folder = key[0]
+        is_alone = len(members) == 1 and any(letter.isdigit() for letter in folder.name)
+        around = (folder.parent, _letters(folder.name), *key[2:]) if is_alone else key
+        whole.setdefault(around, []).extend(members)
+    return list(whole.values())
+
+
+def _letters(name: str) -> str:
+    return re.sub(r"[\d.\-_:T]+", "#", name)
 
 
 def _series(paths: list[Path]) -> Series:
-    ordered = sorted(paths, key=lambda path: (len(path.stem) if path.stem.isdigit() else 0, _numbers(path), path.name))
+    ordered = sorted(paths, key=_order)
     for path in ordered[:: max(len(ordered) // _PROBES, 1)]:
         try:
             raw = read_raw(path)
         except BadImageError:
             continue
-        is_float = raw.dtype.kind == "f"
-        return Series(tuple(ordered), raw.ndim == 2 and (is_float or raw.dtype != np.uint8), is_float)
+        is_float, name = raw.dtype.kind == "f", str(ordered[0].relative_to(ordered[0].parents[1])).lower()
+        is_depth = raw.ndim == 2 and (is_float or raw.dtype != np.uint8)
+        return Series(
+            tuple(ordered),
+            is_depth,
+            is_float,
+            is_disparity=is_depth and "disp" in name,
+            is_along_rays=is_depth and any(word in name for word in _ALONG_RAYS),
+        )
     return Series(tuple(ordered), any(word in str(ordered[0]).lower() for word in _DEPTH))
 
 
@@ -190,8 +225,12 @@ def _series_in(holder: Holder, is_depth: bool, *, is_float: bool) -> Series:
     return Series(pictures, is_depth, is_float and is_depth, holder)
 
 
+def _order(path: Path) -> tuple[int, list[int], str]:
+    return len(path.stem) if path.stem.isdigit() else 0, _numbers(path), path.name
+
+
 def _numbers(path: Path) -> list[int]:
-    return [int(digits) for digits in re.findall(r"\d{1,30}", path.stem)]
+    return [int(digits) for digits in re.findall(r"\d{1,30}", path.stem) or re.findall(r"\d{1,30}", path.parent.name)]
 
 
 _PROBES = 4

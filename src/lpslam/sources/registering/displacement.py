@@ -34,6 +34,11 @@ class DepthDisplacement:
         """That of registered depth: none, but for images of different sizes (width, height)."""
         return cls(colour_size[0] / depth_size[0], (0.0, 0.0), (0.0, 0.0))
 
+    @property
+    def is_none(self) -> bool:
+        """Whether both show the same view, in as many pixels or not."""
+        return not any((*self.shift, *self.parallax))
+
     @classmethod
     def of(cls, numbers: Array) -> "DepthDisplacement":
         """From (5,): scale, shift and parallax."""
@@ -67,6 +72,28 @@ class DepthDisplacement:
         colour_from_depth = np.eye(4)
         colour_from_depth[:2, 3] = np.array(self.parallax) / focal
         return DepthRig(depth, colour, colour_from_depth)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StatedRig:
+    """Both cameras as a calibration states them.
+
+    Attributes:
+        depth, colour: the cameras.
+        colour_from_depth: 4×4, metres.
+    """
+
+    depth: PinholeCamera
+    colour: PinholeCamera
+    colour_from_depth: Array
+
+    def rig(self, depth_size: Size, colour_size: Size) -> DepthRig:
+        """The rig of the two cameras; the sizes are theirs."""
+        return DepthRig(self.depth, self.colour, self.colour_from_depth)
+
+
+Displacement = DepthDisplacement | StatedRig
+"""How depth lies beside colour."""
 
 
 def _middle(size: Size) -> Array:

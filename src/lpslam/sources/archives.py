@@ -16,7 +16,6 @@ from typing import IO
 
 from lpslam.config import JobsConfig
 from lpslam.errors import UserError
-from lpslam.views.drawable import printable
 
 _PIECE = 1 << 20
 _LONGEST_PATH, _LONGEST_NAME, _DEEPEST = 500, 200, 12
@@ -71,10 +70,15 @@ def unpack(archive: Path, folder: Path, limits: JobsConfig) -> int:
     except OSError as error:
         raise UserError(f"the archive cannot be unpacked ({error.strerror or 'it is damaged'})") from error
     except _DAMAGE as error:
-        raise UserError(f"the archive is damaged ({printable(str(error), longest=100)}); pack it again") from error
+        raise UserError(f"the archive is damaged ({_plain(error)}); pack it again") from error
     if not files:
         raise UserError("the archive holds no files")
     return files
+
+
+def _plain(what: object) -> str:
+    """A name or an error in letters that any terminal shows."""
+    return " ".join(str(what).encode("ascii", "replace").decode().split())[:100]
 
 
 def _place(name: str, root: Path, seen: set[str]) -> Path:
@@ -90,11 +94,11 @@ def _place(name: str, root: Path, seen: set[str]) -> Path:
         or _FOREIGN.search(name) is not None
     )
     if wrong:
-        raise UserError(f"the archive holds “{printable(name)}”, which is no plain name inside it; it is refused")
+        raise UserError(f"the archive holds “{_plain(name)}”, which is no plain name inside it; it is refused")
     plain = "/".join(parts)
     path = root.joinpath(*parts)
     if plain in seen:
-        raise UserError(f"the archive holds “{printable(plain)}” twice; it is refused")
+        raise UserError(f"the archive holds “{_plain(plain)}” twice; it is refused")
     if not name.endswith("/"):
         seen.add(plain)
     return path
@@ -106,7 +110,7 @@ def _members(archive: Path) -> Iterator[_Member]:
     elif tarfile.is_tarfile(archive):
         yield from _of_tar(archive)
     else:
-        raise UserError("the upload is neither a zip nor a tar; pack the recording's folder as one of them")
+        raise UserError("it is neither a zip nor a tar; pack the recording's folder as one of them")
 
 
 def _of_zip(archive: Path) -> Iterator[_Member]:
@@ -114,7 +118,7 @@ def _of_zip(archive: Path) -> Iterator[_Member]:
         for info in opened.infolist():
             kind = (info.external_attr >> 16) & 0o170000 if info.create_system == 3 else 0
             if kind not in (0, 0o100000, 0o040000):
-                raise UserError(f"the archive holds a link or device, “{printable(info.filename)}”; it is refused")
+                raise UserError(f"the archive holds a link or device, “{_plain(info.filename)}”; it is refused")
             if info.flag_bits & _ENCRYPTED:
                 raise UserError("the archive is encrypted; pack it without a password")
             # What stands in the directory may differ from what stands before the data: the raw name is what counts.
@@ -129,5 +133,5 @@ def _of_tar(archive: Path) -> Iterator[_Member]:
     with tarfile.open(archive, "r|*") as opened:
         for info in opened:
             if not (info.isreg() or info.isdir()) or info.issparse():
-                raise UserError(f"the archive holds a link or device, “{printable(info.name)}”; it is refused")
+                raise UserError(f"the archive holds a link or device, “{_plain(info.name)}”; it is refused")
             yield _Member(info.name, None if info.isdir() else opened.extractfile(info))
