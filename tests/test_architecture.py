@@ -73,6 +73,7 @@ ALLOWED: dict[str, set[str]] = {
             "pipeline",
             "sources.open",
             "sources.in_order",
+            "sources.archives",
         ),
         *("views.answers", "views.drawable", "views.pictures"),
     },

@@ -132,6 +132,9 @@ def _of_zip(archive: Path) -> Iterator[_Member]:
 def _of_tar(archive: Path) -> Iterator[_Member]:
     with tarfile.open(archive, "r|*") as opened:
         for info in opened:
+            if info.isdir() and info.name in (".", "./"):
+                # The folder itself, which `tar -C folder .` begins with.
+                continue
             if not (info.isreg() or info.isdir()) or info.issparse():
                 raise UserError(f"the archive holds a link or device, “{_plain(info.name)}”; it is refused")
             yield _Member(info.name, None if info.isdir() else opened.extractfile(info))
