@@ -17,6 +17,7 @@ from lpslam.errors import LpSlamError, MissingExtraError
 from lpslam.sources.inside import Inside, PictureFile
 
 _PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+_EXR_TYPES = {"FLOAT": np.float32, "HALF": np.float16, "UINT": np.uint32}
 _SATURATED = 65504
 """The largest number of a float of 16 bits, below the largest integer: no depth, or more than can be told."""
 _EXR_SIGNATURE = b"v/1\x01"
@@ -113,9 +114,19 @@ def _of_exr(path: Path) -> NDArray[Any]:
     except ImportError:
         raise MissingExtraError(f"OpenEXR ({path.name})", "exr") from None
     try:
-        with OpenEXR.File(str(path), separate_channels=True) as file:
-            channels = {str(name): np.asarray(each.pixels) for name, each in file.channels().items()}
-    except (RuntimeError, ValueError, OSError, TypeError) as error:
+        # The newer interface prints what goes wrong, and gives a part.
+        file = OpenEXR.InputFile(str(path))
+        header = file.header()
+        corners = header["dataWindow"]
+        width, height = corners.max.x - corners.min.x + 1, corners.max.y - corners.min.y + 1
+        if not 0 < width * height <= MOST_PIXELS:
+            raise BadImageError(f"{path.name} is {_TOO_LARGE}")
+        kinds = {name: _EXR_TYPES[str(each.type)] for name, each in header["channels"].items() if each.xSampling == 1}
+        channels = {
+            name: np.frombuffer(file.channel(name), kind).reshape(height, width) for name, kind in kinds.items()
+        }
+        file.close()
+    except (RuntimeError, ValueError, OSError, TypeError, KeyError, AttributeError) as error:
         raise BadImageError(f"{path.name} is not an image that can be decoded") from error
     if not channels:
         raise BadImageError(f"{path.name} holds no picture")

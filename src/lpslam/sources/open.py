@@ -259,18 +259,12 @@ def _unpacked(archive: Path) -> Path:
 
 
 def _scaled(source: RecordedSource, checks: CalibrationCheckConfig) -> RecordedSource:
-    """The recording with the depth scale that its depth tells, where nothing states another."""
+    """The recording with the depth scale that its depth tells, where nothing states another that is possible."""
     if not isinstance(source, ImagePairSource):
         return source
-    depths = source.sample_depths(checks.depth_frames)
     if not source.is_scale_assumed:
-        scale = _MILLIMETRES * source.camera.depth_scale
-        is_possible = [not any(doubt.is_fatal for doubt in doubts_about_depth(each, source.camera, checks))
-                       for each in (depths, [depth / np.float32(_MILLIMETRES) for depth in depths])]  # fmt: skip
-        if is_possible != [False, True] or not source.camera.depth_scale < _MILLIMETRES:
-            return source
-        logger.warning("%s: the stated length of a raw unit of depth is taken as millimetres, not metres", source.name)
-        return source.rescaled(scale)
+        return _in_millimetres(source, checks)
+    depths = source.sample_depths(checks.depth_frames)
     scale = fitting_depth_scale(depths, source.camera, checks)
     if scale == source.camera.depth_scale:
         return source
@@ -280,6 +274,20 @@ def _scaled(source: RecordedSource, checks: CalibrationCheckConfig) -> RecordedS
         scale,
     )
     return source.rescaled(scale)
+
+
+def _in_millimetres(source: ImagePairSource, checks: CalibrationCheckConfig) -> ImagePairSource:
+    """The same, or in millimetres where the stated length of a raw unit is too long for metres and right for those."""
+    camera = source.camera
+    if camera.depth_scale >= _MILLIMETRES:
+        return source
+    depths = source.sample_depths(checks.depth_frames)
+    smaller = [depth / np.float32(_MILLIMETRES) for depth in depths]
+    is_wrong = [any(doubt.is_fatal for doubt in doubts_about_depth(each, camera, checks)) for each in (depths, smaller)]
+    if is_wrong != [True, False]:
+        return source
+    logger.warning("%s: the stated length of a raw unit of depth is taken as millimetres, not metres", source.name)
+    return source.rescaled(_MILLIMETRES * camera.depth_scale)
 
 
 def _refuse_span(options: SourceOptions) -> None:

@@ -1,4 +1,4 @@
-"""Focal lengths and principal point, however they are stated: numbers, pairs, a matrix, a field of view, an aperture."""
+"""Focal lengths and principal point, however they are stated: numbers, pairs, a matrix, a view, an aperture."""
 
 from pathlib import Path
 
