@@ -232,6 +232,6 @@ def test_a_doubtful_calibration_is_said_and_used_and_an_impossible_one_refused(
     camera.write_text(calibration.replace("depth_scale: 5000.0", "depth_scale: 1.0"))
     assert "clip: at depth_scale 1 the median depth is" in refused(lpslam, recording)
     for path in images(recording, "depth"):
-        cv2.imwrite(str(path), np.full((240, 320), 9000, np.uint16))
+        cv2.imwrite(str(path), np.full((212, 256), 9000, np.uint16))
     camera.write_text(calibration)
-    assert "clip: its colour images are 640×480, its depth images 320×240; register" in refused(lpslam, recording)
+    assert "clip: its colour images are 640×480, its depth images 256×212; register" in refused(lpslam, recording)

@@ -161,7 +161,7 @@ def test_opening_says_that_depth_is_not_registered_unless_the_calibration_says_h
 
 def test_depth_of_another_size_is_opened_once_it_is_said_how_it_lies(tmp_path: Path) -> None:
     folder = written(tmp_path / "small", DepthDisplacement(1.8, (2.0, -3.0), (-9.0, 2.0)), SMALLER)
-    with pytest.raises(UserError, match="let 'lpslam calibrate' find how it lies"):
+    with pytest.raises(UserError, match="run 'lpslam calibrate'"):
         open_source(folder)
     frame = open_uncalibrated(folder).frame(0)
     assert frame is not None

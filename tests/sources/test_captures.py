@@ -350,12 +350,12 @@ def test_the_modes_of_an_azure_kinect_cut_and_bin_one_image() -> None:
     """Numbers of a camera as its maker's viewer shows them: pixels of 720p and of the narrow view of depth."""
     numbers = [0.5, 0.52, 0.49, 0.49, 0.5, -2.6, 1.5, 0.38, -2.4, 1.4, 0.0, 0.0, -0.0002, 0.0005]
     camera = {"Intrinsics": {"ModelParameters": numbers}}
-    colour = azure._lens(camera, (1280, 720), azure._COLOUR_MODES)
+    colour = azure._lens(camera, (1280, 720), is_depth=False)
     assert colour.k[2] == 0.5 * 1280 - 0.5
     assert colour.k[5] == pytest.approx(0.52 * 960 - 120 - 0.5)
     assert (colour.k[0], colour.k[4]) == (0.49 * 1280, 0.49 * 960)
     assert colour.d == [0.5, -2.6, 0.0005, -0.0002, 1.5, 0.38, -2.4, 1.4]
-    narrow = azure._lens(camera, (640, 576), azure._DEPTH_MODES)
+    narrow = azure._lens(camera, (640, 576), is_depth=True)
     assert (narrow.k[2], narrow.k[0]) == (0.5 * 1024 - 192 - 0.5, 0.49 * 1024)
 
 

@@ -192,9 +192,9 @@ def test_a_calibration_that_cannot_be_read_is_said(tmp_path: Path) -> None:
         open_source(tmp_path)
 
 
-def test_an_archive_is_to_be_unpacked(tmp_path: Path) -> None:
+def test_an_archive_of_another_kind_is_refused(tmp_path: Path) -> None:
     (tmp_path / "walk.zip").write_bytes(b"PK\x03\x04")
-    with pytest.raises(UserError, match="is an archive; unpack it"):
+    with pytest.raises(UserError, match="is neither a zip nor a tar"):
         open_source(tmp_path / "walk.zip")
 
 

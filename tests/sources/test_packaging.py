@@ -220,11 +220,12 @@ def is_right_in_time(folder: Path, times: NDArray[np.float64]) -> bool:
     return bool(np.allclose(found, np.sort(times)))
 
 
-def test_depth_that_is_the_same_everywhere_is_no_room(tmp_path: Path) -> None:
+def test_depth_that_is_the_same_everywhere_tells_no_units(tmp_path: Path) -> None:
     tum(tmp_path)
+    (tmp_path / "camera.yaml").write_text(LENS)
     for path in (tmp_path / "depth").iterdir():
         cv2.imwrite(str(path), np.full((HEIGHT, WIDTH), 5000, np.uint16))
-    with pytest.raises(UserError, match="shows no room"):
+    with pytest.raises(UserError, match="the same everywhere and always"):
         open_source(tmp_path)
 
 

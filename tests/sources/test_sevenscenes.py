@@ -75,7 +75,8 @@ def test_unknown_places_are_told_what_was_looked_for(tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
     with pytest.raises(UserError, match=r"rgb.txt and depth.txt .* or frame-NNNNNN"):
         open_source(tmp_path / "empty")
-    write_seven_scenes(tmp_path / "scene" / "seq-03")
+    for name in ("seq-03", "seq-04"):
+        write_seven_scenes(tmp_path / "scene" / name)
     with pytest.raises(UserError, match=r"did you mean .*seq-03"):
         open_source(tmp_path / "scene")
 

@@ -59,6 +59,13 @@ class Calibration:
     depth_camera: PinholeCamera | None = None
     colour_from_depth: NDArray[np.float64] | None = None
 
+    def note_of(self, depth_size: tuple[int, int] | None) -> tuple[str, ...]:
+        """What is assumed of depth images of a size."""
+        is_stated = self.displacement is not None or self.depth_camera is not None or depth_size == self.depth_size
+        if depth_size is None or is_stated or self.displacement_of(depth_size) is None:
+            return ()
+        return (f"depth of {depth_size[0]}×{depth_size[1]} is taken to show the same view as colour",)
+
     def displacement_of(self, depth_size: tuple[int, int] | None) -> Displacement | None:
         """How depth images of a size lie beside colour, as far as it is stated; None where they lie on it."""
         camera, depth = self.camera, self.depth_camera

@@ -265,7 +265,10 @@ def _scaled(source: RecordedSource, checks: CalibrationCheckConfig) -> RecordedS
     if not source.is_scale_assumed:
         return _in_millimetres(source, checks)
     depths = source.sample_depths(checks.depth_frames)
-    scale = fitting_depth_scale(depths, source.camera, checks)
+    try:
+        scale = fitting_depth_scale(depths, source.camera, checks)
+    except UserError as error:
+        raise UserError(f"{source.name}: {error}") from error
     if scale == source.camera.depth_scale:
         return source
     logger.warning(
@@ -283,8 +286,8 @@ def _in_millimetres(source: ImagePairSource, checks: CalibrationCheckConfig) -> 
         return source
     depths = source.sample_depths(checks.depth_frames)
     smaller = [depth / np.float32(_MILLIMETRES) for depth in depths]
-    is_wrong = [any(doubt.is_fatal for doubt in doubts_about_depth(each, camera, checks)) for each in (depths, smaller)]
-    if is_wrong != [True, False]:
+    is_impossible = any(doubt.is_fatal for doubt in doubts_about_depth(depths, camera, checks))
+    if not is_impossible or doubts_about_depth(smaller, camera, checks):
         return source
     logger.warning("%s: the stated length of a raw unit of depth is taken as millimetres, not metres", source.name)
     return source.rescaled(_MILLIMETRES * camera.depth_scale)
@@ -330,7 +333,9 @@ def _doubts_about_registration(source: RecordedSource, checks: CalibrationCheckC
     return [
         Doubt(
             f"depth is not registered to colour: what it shows lies {found.pixels:.0f} pixels beside it; record "
-            "aligned depth, or run 'lpslam calibrate' on the recording, and give what it writes with --camera"
+            "aligned depth, or run 'lpslam calibrate' on the recording, and give what it writes with --camera",
+            # Of another size, it was taken to show the same view.
+            is_fatal=stated is not None,
         )
     ]
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
 from lpslam.config import CalibrationCheckConfig
+from lpslam.errors import UserError
 
 # Raw depth units in a metre that recordings come with, the most usual first: millimetres, TUM, metres, tenths of a
 # millimetre, rendered data sets, and 1/256 m.
@@ -129,8 +130,6 @@ def doubts_about_depth(
     readings = _readings(depths)
     if not readings:
         return []
-    if len(readings) > 1 and all(reading.min() == reading.max() == readings[0][0] for reading in readings):
-        return [Doubt(f"its depth is {readings[0][0]:.3g} m everywhere and always: it shows no room", is_fatal=True)]
     median = float(np.median([np.median(reading) for reading in readings]))
     farthest = float(np.median([np.percentile(reading, 95) for reading in readings]))
     nearest, remotest = config.usual_median_depth
@@ -165,8 +164,17 @@ def fitting_depth_scale(
     Args:
         depths, config: as above.
         camera: its depth scale, which was applied, is the one assumed.
+
+    Raises:
+        UserError: there is one reading alone, which tells nothing.
     """
-    farthest = [float(np.percentile(reading, 95)) for reading in _readings(depths)]
+    readings = _readings(depths)
+    if len(readings) > 1 and all(reading.min() == reading.max() == readings[0][0] for reading in readings):
+        raise UserError(
+            "its depth is the same everywhere and always, and nothing states its units; check the depth images, and "
+            "state depth_scale in the calibration"
+        )
+    farthest = [float(np.percentile(reading, 95)) for reading in readings]
     if not farthest:
         return camera.depth_scale
     raw, (nearest, remotest) = max(farthest) * camera.depth_scale, config.usual_farthest
