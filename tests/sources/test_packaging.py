@@ -84,8 +84,15 @@ def test_an_archive_is_unpacked_and_read(tmp_path: Path, name: str) -> None:
     kind = "zip" if name.endswith("zip") else "gztar"
     shutil.make_archive(str(tmp_path / "a"), kind, tmp_path / "room")
     shutil.rmtree(tmp_path / "room")
-    assert is_right(open_source(tmp_path / name))
-    assert is_right(open_source(tmp_path / name))
+    for _ in range(2):
+        source = open_source(tmp_path / name)
+        assert is_right(source)
+        assert source.name == "take"
+
+
+def test_a_recording_in_an_archive_goes_by_its_name(tmp_path: Path) -> None:
+    shutil.make_archive(str(tmp_path / "Our hall.v2"), "zip", tum(tmp_path / "take"))
+    assert open_source(tmp_path / "Our hall.v2.zip").name == "Our hall.v2"
 
 
 def test_an_archive_that_leads_out_writes_nothing_there(tmp_path: Path) -> None:

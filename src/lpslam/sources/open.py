@@ -247,7 +247,10 @@ def _unpacked(archive: Path) -> Path:
         try:
             room = int(shutil.disk_usage(kept.name).free * _SHARE_OF_DISK)
             logger.warning("%s: the archive is unpacked into %s until the end", archive.name, kept.name)
-            unpack(archive, Path(kept.name), JobsConfig(unpacked_bytes=max(room, 1)))
+            # A recording goes by the name of its folder.
+            folder = Path(kept.name) / _bare_name(archive.name)
+            folder.mkdir()
+            unpack(archive, folder, JobsConfig(unpacked_bytes=max(room, 1)))
         except UserError as error:
             kept.cleanup()
             raise UserError(f"{archive}: {error}") from error
@@ -256,6 +259,13 @@ def _unpacked(archive: Path) -> Path:
     while inner.is_dir() and len(entries := list(inner.iterdir())) == 1:
         inner = entries[0]
     return inner
+
+
+def _bare_name(name: str) -> str:
+    """The name of an archive without its endings."""
+    while (suffix := Path(name).suffix.lower()) in _ARCHIVES:
+        name = name[: -len(suffix)]
+    return name or "archive"
 
 
 def _scaled(source: RecordedSource, checks: CalibrationCheckConfig) -> RecordedSource:
