@@ -40,7 +40,7 @@ def through_a_lens(recording: Path, folder: Path, camera: PinholeCamera, stated:
     return folder
 
 
-LIGHTER = "calibrating: {views: 28, points: 1000}\ncalibration: {registration: {estimating_frames: FRAMES}}\n"
+LIGHTER = "calibrating: {views: 34, points: 1400}\ncalibration: {registration: {estimating_frames: FRAMES}}\n"
 
 
 @pytest.fixture

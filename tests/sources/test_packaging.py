@@ -95,6 +95,13 @@ def test_a_recording_in_an_archive_goes_by_its_name(tmp_path: Path) -> None:
     assert open_source(tmp_path / "Our hall.v2.zip").name == "Our hall.v2"
 
 
+def test_an_archive_in_an_archive_is_refused(tmp_path: Path) -> None:
+    shutil.make_archive(str(tmp_path / "in" / "a"), "zip", tum(tmp_path / "take"))
+    shutil.make_archive(str(tmp_path / "b"), "zip", tmp_path / "in")
+    with pytest.raises(UserError, match="holds another archive"):
+        open_source(tmp_path / "b.zip")
+
+
 def test_an_archive_that_leads_out_writes_nothing_there(tmp_path: Path) -> None:
     with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
         archive.writestr("../outside.txt", "x")

@@ -258,6 +258,9 @@ def _unpacked(archive: Path) -> Path:
     inner = Path(_UNPACKED[key].name)
     while inner.is_dir() and len(entries := list(inner.iterdir())) == 1:
         inner = entries[0]
+    if inner.suffix.lower() in _ARCHIVES:
+        # One in another may hold itself.
+        raise UserError(f"{archive} holds another archive, {inner.name}; unpack it, and give what is in it")
     return inner
 
 
