@@ -1,6 +1,8 @@
 """Videos: colour of eight bits a channel, or depth of sixteen, decoded in order."""
 
+import math
 import threading
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -17,48 +19,66 @@ _BOXES = (b"ftyp", b"moov", b"mdat", b"free", b"skip", b"wide", b"pnot")
 """What an MP4 may begin with, behind four bytes."""
 _FORMATS = {b"\x1aE\xdf\xa3": "matroska", b"RIFF": "avi"}
 """What other videos begin with."""
-_NEAR = 30
-"""Frames that are decoded for nothing rather than sought: a video is sought slowly."""
 _MOST_RATE = 1000.0
+"""Frames a second that a video may state."""
 
 
-class Video:
-    """A video of colour as a holder of pictures; in order without seeking.
+class _InOrder(ABC):
+    """Pictures that are decoded one after the other; who steps back begins anew."""
 
-    Raises:
-        UserError: it is no video that can be decoded.
-    """
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        format_of(path)
-        reader = cv2.VideoCapture(str(path))
-        self.size = int(reader.get(cv2.CAP_PROP_FRAME_WIDTH)), int(reader.get(cv2.CAP_PROP_FRAME_HEIGHT))
-        self._count, self.rate = int(reader.get(cv2.CAP_PROP_FRAME_COUNT)), float(reader.get(cv2.CAP_PROP_FPS))
-        reader.release()
-        if min(*self.size, self._count) <= 0 or self.size[0] * self.size[1] > MOST_PIXELS:
-            raise UserError(f"{path} is no video that can be decoded")
+    def __init__(self, path: Path, size: tuple[int, int], count: int, rate: float) -> None:
+        self.path, self.size, self._count = path, size, count
+        self.rate = rate if 0 < rate <= _MOST_RATE else 0.0
         self.times: NDArray[np.float64] | None = None
-        self._frames: Iterator[tuple[int, NDArray[np.uint8]]] = iter(())
+        self._frames: Iterator[tuple[int, NDArray[Any]]] = iter(())
         self._next = -1
         self._lock = threading.Lock()
 
     def __len__(self) -> int:
         return self._count
 
-    def picture(self, index: int) -> NDArray[np.uint8]:
+    def picture(self, index: int) -> NDArray[Any]:
         """See `Holder`."""
         with self._lock:
-            return self._found(index)
-
-    def _found(self, index: int) -> NDArray[np.uint8]:
-        if self._next < 0 or not self._next <= index <= self._next + _NEAR:
-            self._frames, self._next = self._decoded(index), index
-        for found, picture in self._frames:
-            self._next = found + 1
-            if found == index:
-                return picture
+            if self._next < 0 or not self._next <= index <= self._next + self._near:
+                self._frames, self._next = self._decoded(index), index
+            for found, picture in self._frames:
+                self._next = found + 1
+                if found == index:
+                    return picture
         raise BadImageError(f"the video ends before frame {index}")
+
+    @property
+    @abstractmethod
+    def _near(self) -> float:
+        """Frames that are decoded for nothing rather than sought."""
+
+    @abstractmethod
+    def _decoded(self, first: int) -> Iterator[tuple[int, NDArray[Any]]]:
+        """Numbers and pictures, from that of a number on or from before it."""
+
+
+class Video(_InOrder):
+    """A video of colour as a holder of pictures.
+
+    Attributes:
+        rate: frames a second; 0 where it states none that can be.
+
+    Raises:
+        UserError: it is no video that can be decoded.
+    """
+
+    _near = 30  # a video is sought slowly
+
+    def __init__(self, path: Path) -> None:
+        format_of(path)
+        reader = cv2.VideoCapture(str(path))
+        size = int(reader.get(cv2.CAP_PROP_FRAME_WIDTH)), int(reader.get(cv2.CAP_PROP_FRAME_HEIGHT))
+        count, rate = int(reader.get(cv2.CAP_PROP_FRAME_COUNT)), float(reader.get(cv2.CAP_PROP_FPS))
+        reader.release()
+        if min(*size, count) <= 0 or size[0] * size[1] > MOST_PIXELS:
+            raise UserError(f"{path} is no video that can be decoded")
+        super().__init__(path, size, count, rate)
 
     def _decoded(self, first: int) -> Iterator[tuple[int, NDArray[np.uint8]]]:
         reader = cv2.VideoCapture(str(self.path))
@@ -76,7 +96,7 @@ class Video:
             reader.release()
 
 
-class DeepVideo:
+class DeepVideo(_InOrder):
     """A video of one channel of sixteen bits, as FFV1 keeps depth; unpacked by PyAV (extra `video`).
 
     Raises:
@@ -84,8 +104,9 @@ class DeepVideo:
         MissingExtraError: PyAV is not there.
     """
 
+    _near = math.inf  # it is not sought
+
     def __init__(self, path: Path) -> None:
-        self.path = path
         container = format_of(path)
         try:
             import av
@@ -96,41 +117,22 @@ class DeepVideo:
         try:
             with self._open() as file:
                 track = file.streams.video[0]
-                kind, self.size = str(track.format.name), (int(track.width), int(track.height))
-                self._count = sum(1 for packet in file.demux(track) if packet.size)
-                self.rate = float(track.average_rate or 0.0)
+                kind, size = str(track.format.name), (int(track.width), int(track.height))
+                count = sum(1 for packet in file.demux(track) if packet.size)
+                rate = float(track.average_rate or 0.0)
         except (*self._errors, IndexError) as error:
             raise UserError(f"{path} is no video that can be decoded ({type(error).__name__})") from error
         if not kind.startswith(("gray16", "gray12", "gray10")):
             raise UserError(f"{path} is called depth, and its pictures are {kind}: depth has one channel of 16 bits")
-        self.times: NDArray[np.float64] | None = None
-        self._frames: Iterator[tuple[int, Any]] = iter(())
-        self._next = -1
-        self._lock = threading.Lock()
+        super().__init__(path, size, count, rate)
 
-    def __len__(self) -> int:
-        return self._count
-
-    def picture(self, index: int) -> NDArray[np.uint16]:
-        """See `Holder`."""
-        with self._lock:
-            return self._found(index)
-
-    def _found(self, index: int) -> NDArray[np.uint16]:
-        if not 0 <= self._next <= index:
-            self._frames, self._next = self._decoded(), 0
+    def _decoded(self, first: int) -> Iterator[tuple[int, NDArray[np.uint16]]]:
         try:
-            for found, frame in self._frames:
-                self._next = found + 1
-                if found == index:
-                    return np.asarray(frame.to_ndarray(format="gray16le"), np.uint16)
+            with self._open() as file:
+                for number, frame in enumerate(file.decode(video=0)):
+                    yield number, np.asarray(frame.to_ndarray(format="gray16le"), np.uint16)
         except self._errors as error:
-            raise BadImageError(f"frame {index} of the video cannot be decoded ({type(error).__name__})") from error
-        raise BadImageError(f"the video ends before frame {index}")
-
-    def _decoded(self) -> Iterator[tuple[int, Any]]:
-        with self._open() as file:
-            yield from enumerate(file.decode(video=0))
+            raise BadImageError(f"the video cannot be decoded ({type(error).__name__})") from error
 
 
 def format_of(path: Path) -> str:
