@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from lpslam.errors import UserError
 from lpslam.sources.calibration import calibration_of, read_calibration
 from lpslam.sources.image_pairs import ImagePairSource
-from lpslam.sources.open import open_source
+from lpslam.sources.open import open_source, open_uncalibrated
 
 COUNT, WIDTH, HEIGHT = 6, 64, 48
 LENS = "{fx: 70, fy: 71, cx: 31, cy: 24, width: 64, height: 48}"
@@ -193,6 +193,42 @@ def test_disparity_is_not_taken_for_depth(tmp_path: Path) -> None:
         open_source(tmp_path)
 
 
+def test_disparity_in_an_array_is_not_taken_for_depth_either(tmp_path: Path) -> None:
+    views = np.stack([colour(index) for index in range(COUNT)])
+    disparity = np.stack([70 * 0.1 / metres(index) for index in range(COUNT)]).astype(np.float32)
+    np.savez(tmp_path / "a.npz", left=views, disparity=disparity, K=np.array([[70, 0, 31], [0, 71, 24], [0, 0, 1.0]]))
+    with pytest.raises(UserError, match="disparity; write depth"):
+        open_source(tmp_path / "a.npz")
+
+
+def test_what_a_type_can_hold_at_most_is_no_depth_and_less_is_one(tmp_path: Path) -> None:
+    pictures(tmp_path)
+    (tmp_path / "camera.yaml").write_text(LENS.replace("}", ", depth_scale: 1000000}"))
+    for index in range(COUNT):
+        (tmp_path / "depth" / f"{index:03d}.png").unlink()
+        micrometres = np.round(metres(index) * 1e6).astype(np.int32)
+        micrometres[:3], micrometres[3:6] = np.iinfo(np.int32).max, -1
+        np.save(tmp_path / "depth" / f"{index:03d}.npy", micrometres)
+    source = open_source(tmp_path)
+    assert is_right(source)
+    frame = source.frame(0)
+    assert frame is not None
+    assert not frame.depth[:6].any()
+    assert frame.depth[6:].all()
+
+
+def test_where_it_is_to_be_found_how_depth_lies_nothing_is_said_of_it(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    pictures(tmp_path, size=(WIDTH // 2, HEIGHT // 2))
+    (tmp_path / "camera.yaml").write_text(LENS)
+    open_source(tmp_path)
+    assert "the same view" in caplog.text
+    caplog.clear()
+    open_uncalibrated(tmp_path)
+    assert "the same view" not in caplog.text
+
+
 def test_a_folder_for_each_frame(tmp_path: Path) -> None:
     pictures(tmp_path)
     for index in range(COUNT):
@@ -254,6 +290,11 @@ def test_a_focal_length_and_an_aperture_in_millimetres_are_pixels() -> None:
     camera = calibration_of(tree, Path("camera_params.json"), (640, 480)).camera
     assert (camera.fx, camera.fy) == (pytest.approx(480.0), pytest.approx(480.0))
     assert (camera.cx, camera.cy) == (319.5, 239.5)
+
+
+def test_an_aperture_that_is_a_number_of_its_lens_is_no_length() -> None:
+    tree = {"focal_length": 525.0, "aperture": 2.0, "cx": 319.5, "cy": 239.5, "width": 640, "height": 480}
+    assert calibration_of(tree, Path("camera.json"), (640, 480)).camera.fx == 525.0
 
 
 def test_a_list_of_cameras_is_read_by_their_names(tmp_path: Path) -> None:

@@ -18,8 +18,6 @@ from lpslam.sources.inside import Inside, PictureFile
 
 _PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _EXR_TYPES = {"FLOAT": np.float32, "HALF": np.float16, "UINT": np.uint32}
-_SATURATED = 65504
-"""The largest number of a float of 16 bits, below the largest integer: no depth, or more than can be told."""
 _EXR_SIGNATURE = b"v/1\x01"
 _DECODED = frozenset((".npy", ".npz", ".exr"))
 """Files whose size is known when they are decoded."""
@@ -72,6 +70,7 @@ def read_depth(path: PictureFile, depth_scale: float) -> NDArray[np.float32]:
         BadImageError: missing, truncated, or no depth image.
     """
     raw = read_raw(path)
+    is_most = raw >= _most_of(raw.dtype)
     if raw.dtype in (np.float64, np.float16, np.int32, np.uint32, np.int16):
         raw = raw.astype(np.float32)
     if raw.ndim != 2 or raw.dtype not in (np.uint16, np.float32):
@@ -81,8 +80,13 @@ def read_depth(path: PictureFile, depth_scale: float) -> NDArray[np.float32]:
     depth *= np.float32(1.0 / depth_scale)
     if raw.dtype == np.float32:
         depth[~(np.isfinite(depth) & (depth > 0))] = 0.0
-    depth[raw >= _SATURATED] = 0.0
+    depth[is_most] = 0.0
     return depth
+
+
+def _most_of(kind: np.dtype[Any]) -> float:
+    """The largest number of a type, which stands for no depth, or for more than can be told."""
+    return float(np.iinfo(kind).max) if kind.kind in "iu" else float(np.finfo(np.float16).max)
 
 
 def read_raw(path: PictureFile) -> NDArray[Any]:
@@ -168,15 +172,24 @@ def _decode(path: PictureFile, flags: int) -> NDArray[Any]:
         return _array_in(data, path.name)
     if data.startswith(_EXR_SIGNATURE):
         return _of_exr(path)
+    return decoded_image(data, path.name, flags)
+
+
+def decoded_image(data: bytes, name: str, flags: int) -> NDArray[Any]:
+    """The bytes of an image file as OpenCV's flags have it.
+
+    Raises:
+        BadImageError: truncated, damaged, or no image.
+    """
     defect = image_defect(data)
     if defect:
-        raise BadImageError(f"{path.name} is {defect}")
+        raise BadImageError(f"{name} is {defect}")
     try:
         image = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), flags)
     except cv2.error:
         image = None
     if image is None:
-        raise BadImageError(f"{path.name} is not an image that can be decoded")
+        raise BadImageError(f"{name} is not an image that can be decoded")
     return np.asarray(image)
 
 

@@ -88,7 +88,8 @@ def open_tum(
             pairs.append(ImagePair(timestamp, path, None, fault))
         previous = timestamp
     calibration = _find_calibration(folder, camera_file, [path for _, path in colours], nominal)
-    depth_size = first_image_size([path for _, path in depths])
+    # Where how depth lies is still to be found, its size tells nothing.
+    depth_size = None if nominal else first_image_size([path for _, path in depths])
     notes = (*calibration.notes, *calibration.note_of(depth_size))
     if depth_note and depth_note != note:
         note = f"{note}; in depth.txt {depth_note}" if note else f"in depth.txt {depth_note}"
@@ -99,7 +100,7 @@ def open_tum(
         pairs,
         notes=notes,
         listed_times=(colour_times, depth_times),
-        displacement=calibration.displacement if nominal else calibration.displacement_of(depth_size),
+        displacement=calibration.displacement_of(depth_size),
         may_displace=nominal,
         is_scale_assumed=calibration.is_scale_assumed,
         max_frames=max_frames,

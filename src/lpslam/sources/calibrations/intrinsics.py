@@ -19,7 +19,7 @@ PAIRS = {
     ("fx", "fy"): ("focal_length", "focal_lengths", "focal", "f"),
     ("cx", "cy"): ("principal_point", "principal", "center", "centre", "pp", "c"),
 }
-_APERTURES = ("camera_aperture", "horizontal_aperture", "sensor_width", "sensor_width_mm", "sensor_size", "aperture")
+_APERTURES = ("camera_aperture", "horizontal_aperture", "sensor_width", "sensor_width_mm", "sensor_size")
 _LENGTHS = ("camera_focal_length", "focal_length_mm", "focal_length", "focal")
 _VIEW = ("fov", "view", "hfov", "vfov", "dfov")
 

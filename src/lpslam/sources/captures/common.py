@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.sources.images import BadImageError, image_defect
+from lpslam.sources.images import decoded_image
 from lpslam.sources.inside import PictureFile
 
 RATE = 30.0
@@ -23,16 +23,7 @@ def decoded_colour(data: bytes, name: str) -> NDArray[np.uint8]:
     Raises:
         BadImageError: it is truncated or no image.
     """
-    defect = image_defect(data)
-    if defect:
-        raise BadImageError(f"{name} is {defect}")
-    try:
-        picture = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR_RGB)
-    except cv2.error:
-        picture = None
-    if picture is None:
-        raise BadImageError(f"{name} is not an image that can be decoded")
-    return np.asarray(picture, np.uint8)
+    return np.asarray(decoded_image(data, name, cv2.IMREAD_COLOR_RGB), np.uint8)
 
 
 def number_of(path: PictureFile) -> int | None:

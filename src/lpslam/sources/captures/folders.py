@@ -55,13 +55,14 @@ def open_capture(
     if colour is None or depth is None:
         missing = "colour" if colour is None else "depth"
         raise UserError(f"{folder}: no two {missing} pictures of one kind lie there; depth has one channel of 16 bits")
-    listing = listing_of(pictures.texts, [colour.paths, depth.paths])
     if depth.is_disparity:
         raise UserError(
             f"{folder}: {depth.paths[0].name} and the like are called disparity; write depth instead: focal length in "
             "pixels times baseline in metres, divided by the disparity in pixels"
         )
-    size, depth_size = first_image_size(list(colour.paths)), first_image_size(list(depth.paths))
+    # Where how depth lies is still to be found, its size tells nothing.
+    size, depth_size = first_image_size(colour.paths), None if nominal else first_image_size(depth.paths)
+    listing = listing_of(pictures.texts, [colour.paths, depth.paths])
     calibration = _calibration(folder, camera_file, pictures, (size, depth_size), nominal)
     pairs, notes, times = _paired(folder, colour, depth, listing, calibration.camera.fps, pairing or PairingConfig())
     if depth.is_float:
@@ -75,7 +76,7 @@ def open_capture(
         pairs,
         notes=(*calibration.notes, *calibration.note_of(depth_size), *pictures.notes, *notes),
         listed_times=times,
-        displacement=calibration.displacement if nominal else calibration.displacement_of(depth_size),
+        displacement=calibration.displacement_of(depth_size),
         is_along_rays=depth.is_along_rays,
         may_displace=nominal,
         is_scale_assumed=calibration.is_scale_assumed,
@@ -145,18 +146,20 @@ def _share_a_clock(one: _Times, other: _Times) -> bool:
 
 def _by_number(colours: Sequence[PictureFile], depths: Sequence[PictureFile]) -> dict[PictureFile, PictureFile]:
     """Pictures of equal numbers; of as many without numbers, those in the same place in order."""
-    numbers, of_colours = [number_of(path) for path in depths], [number_of(path) for path in colours]
+    numbers, of_colours = _counted(depths, colours), _counted(colours, depths)
     if None in numbers or len(set(numbers)) < len(numbers):
         return dict(zip(colours, depths, strict=True)) if len(colours) == len(depths) else {}
     by_number = dict(zip(numbers, depths, strict=True))
-    if isinstance(colours[0], Inside) != isinstance(depths[0], Inside):
-        # Within a video or an array counting begins at 0; in names often at 1.
-        counted, named = (of_colours, numbers) if isinstance(colours[0], Inside) else (numbers, of_colours)
-        first = min(number for number in named if number is not None) if None not in named else 0
-        shift = first - min(number or 0 for number in counted)
-        shift = (shift if isinstance(colours[0], Inside) else -shift) if first == 1 else 0
-        of_colours = [None if number is None else number + shift for number in of_colours]
     return {path: by_number[number] for path, number in zip(colours, of_colours, strict=True) if number in by_number}
+
+
+def _counted(pictures: Sequence[PictureFile], others: Sequence[PictureFile]) -> list[int | None]:
+    """The pictures' numbers: within a video or an array from 0 on, or from 1 where the names of the others begin so."""
+    numbers = [number_of(path) for path in pictures]
+    if not isinstance(pictures[0], Inside) or isinstance(others[0], Inside) or 0 not in numbers:
+        return numbers
+    first = min((number_of(path) or 0 for path in others), default=0)
+    return [number + 1 if number is not None and first == 1 else number for number in numbers]
 
 
 def _calibration(

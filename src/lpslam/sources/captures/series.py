@@ -41,16 +41,27 @@ class Series:
         is_depth: one channel of more than eight bits.
         is_float: of fractions: metres, as a rule.
         holder: the one file in which all lie; None where each is a file.
-        is_disparity: it is called so.
-        is_along_rays: it is called the distance to the camera, as Isaac Sim has it, and not to its plane.
     """
 
     paths: tuple[PictureFile, ...]
     is_depth: bool
     is_float: bool = False
     holder: Holder | None = None
-    is_disparity: bool = False
-    is_along_rays: bool = False
+
+    @property
+    def is_disparity(self) -> bool:
+        """Whether it is depth that is called so."""
+        return self.is_depth and "disp" in self._name
+
+    @property
+    def is_along_rays(self) -> bool:
+        """Whether it is called the distance to the camera, as Isaac Sim has it, and not to its plane."""
+        return self.is_depth and any(word in self._name for word in _ALONG_RAYS)
+
+    @property
+    def _name(self) -> str:
+        """Of its first picture, with where that lies."""
+        return "/".join(self.paths[0].parts[-2:]).lower()
 
 
 @dataclass(eq=False)
@@ -204,15 +215,8 @@ def _series(paths: list[Path]) -> Series:
             raw = read_raw(path)
         except BadImageError:
             continue
-        is_float, name = raw.dtype.kind == "f", str(ordered[0].relative_to(ordered[0].parents[1])).lower()
-        is_depth = raw.ndim == 2 and (is_float or raw.dtype != np.uint8)
-        return Series(
-            tuple(ordered),
-            is_depth,
-            is_float,
-            is_disparity=is_depth and "disp" in name,
-            is_along_rays=is_depth and any(word in name for word in _ALONG_RAYS),
-        )
+        is_float = raw.dtype.kind == "f"
+        return Series(tuple(ordered), raw.ndim == 2 and (is_float or raw.dtype != np.uint8), is_float)
     return Series(tuple(ordered), any(word in str(ordered[0]).lower() for word in _DEPTH))
 
 

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.sources.images import BadImageError, image_defect
+from lpslam.sources.images import BadImageError, decoded_image
 
 COLOUR_WORDS = ("color", "colour", "rgb", "bgr", "image", "img", "picture", "left", "cam", "gray", "grey", "mono")
 DEPTH_WORDS = ("depth", "distance", "range")
@@ -173,12 +173,5 @@ def _says(entry: Entry, words: tuple[str, ...]) -> bool:
 
 
 def _decoded(data: bytes, name: str) -> NDArray[Any]:
-    if defect := image_defect(data):
-        raise BadImageError(f"{name} is {defect}")
-    try:
-        picture = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
-    except cv2.error:
-        picture = None
-    if picture is None:
-        raise BadImageError(f"{name} is not an image that can be decoded")
+    picture = decoded_image(data, name, cv2.IMREAD_UNCHANGED)
     return np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2RGB) if picture.ndim == 3 else picture)
