@@ -7,6 +7,7 @@
     python benchmarks/worlds.py run     --set dev --text ...                     with the signs that are read
     python benchmarks/worlds.py carried --set dev --cache DIR                    blanked and set down elsewhere
     python benchmarks/worlds.py carried --set dev --text ...                     the same, with the signs that are read
+    python benchmarks/worlds.py cameras --set dev --cache DIR                    found in by cameras of other kinds
 
 Seeds count from 1 within a set; 1 to 40 show every value of every factor about equally often, what follows is drawn
 freely. Worlds of `dev` are to develop on; nothing is tuned on those of `test`. Tracked is the share of frames with a
@@ -22,7 +23,7 @@ from pathlib import Path
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["render", "run", "carried"])
+    parser.add_argument("what", choices=["render", "run", "carried", "cameras"])
     parser.add_argument("--set", choices=["dev", "test"], default="dev", help="which worlds (default dev)")
     parser.add_argument("--seeds", default="1-40", help="of the set, as 1-40 or 3,7,20-25 (default 1-40)")
     parser.add_argument("--cache", type=Path, required=True, help="where rendered worlds are kept")
@@ -37,6 +38,7 @@ def main() -> None:
     # Before numpy loads: its threads would hide processor time from the thread that is measured.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ[name] = "1"
+    import worlds_cameras
     import worlds_carried
     import worlds_runs
     from slam_report import Report
@@ -48,6 +50,8 @@ def main() -> None:
         worlds_runs.measure(recordings, configs, given.starts, given.text, given.processes, Report(given.out))
     elif given.what == "carried":
         worlds_carried.measure(recordings, given.config, given.trials, given.text, given.processes, Report(given.out))
+    elif given.what == "cameras":
+        worlds_cameras.measure(recordings, given.processes, Report(given.out))
 
 
 if __name__ == "__main__":

@@ -176,7 +176,7 @@ def _carried(task: Task) -> dict[str, Any]:
     facts: dict[str, Any] = {"world": recording.name, "factors": recording.world.factors(), "trials": []}
     if len(mapped.estimate.timestamps) < 3:
         return facts
-    truth_from_map = _aligned(recording.truth, mapped.estimate)
+    truth_from_map = aligned(recording.truth, mapped.estimate)
     views = MappedViews.of(mapped.slam_map, truth_from_map, source.camera, reach)
     rng = np.random.default_rng([recording.world.seed, 117])
     for trial in range(task.trials):
@@ -252,7 +252,7 @@ class InSession:
         return self.session.take(frame).tracked
 
 
-def _aligned(truth: StampedPoses, estimate: StampedPoses) -> NDArray[np.float64]:
+def aligned(truth: StampedPoses, estimate: StampedPoses) -> NDArray[np.float64]:
     """Truth from map (4×4) by whole poses: positions alone do not say how a camera that only turned was turned."""
     true = np.array([true_pose(truth, timestamp) for timestamp in estimate.timestamps])
     turn = np.einsum("nij,nkj->ik", true[:, :3, :3], estimate.world_from_camera[:, :3, :3])

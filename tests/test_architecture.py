@@ -87,7 +87,7 @@ ALLOWED: dict[str, set[str]] = {
         *("session", "sources", "slam.state", "views.answers"),
     },
     "demo": {"simulation", "language", "mapfile", "navigation.known", "page", "pipeline", "evaluation", "views"},
-    "cli_checks": {"mapfile"},
+    "cli_checks": set(),
     "cli_options": set(),
     "cli_calibrate": {"sources", "calibration", "views", "cli_checks", "cli_options"},
     "cli_serving": {"language.registry", "serving", "views", "cli_checks", "cli_options"},
@@ -97,7 +97,7 @@ ALLOWED: dict[str, set[str]] = {
     "cli_sources": {"sources", "views"},
     "cli_watching": {"watching", "views", "cli_checks"},
     "cli_ground": {"language", "mapfile", "navigation", "views"},
-    "cli_runs": {"simulation", "language", "mapfile.correcting", "navigation.known", "pipeline", "views"},
+    "cli_runs": {"simulation", "language", "mapfile", "navigation.known", "pipeline", "views"},
     "cli_simulate": {"demo", "views", "cli_checks", "cli_runs", "cli_options"},
     "cli_robots": {"language.registry", "robots", "session", "views", "cli_checks", "cli_runs", "cli_options"},
     "cli_run": {

@@ -45,20 +45,6 @@ def refuse_old_map(output: Path, force: bool) -> None:
         raise UserError(f"{output} is a map already; choose another name, or give --force to replace it")
 
 
-def map_for(localize: Path | None, continued: Path | None, camera: Any, settings: Any) -> Any:
-    """The saved map that a recording is localised in, or that it continues; None without one."""
-    from lpslam.mapfile.compatibility import refuse_other_camera
-    from lpslam.mapfile.language_map import LanguageMap
-
-    path = localize or continued
-    if path is None:
-        return None
-    world = LanguageMap.load(path)
-    allowed = settings.same_camera if localize else settings.continued_camera
-    refuse_other_camera(world.camera, camera, path, allowed)
-    return world
-
-
 def config_of(path: Path | None, overrides: dict[str, Any] | None = None) -> Any:
     """The configuration of a file, or of options by section and name."""
     from lpslam.config import Config

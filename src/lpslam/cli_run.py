@@ -7,13 +7,12 @@ import typer
 
 from lpslam.cli_checks import (
     config_of,
-    map_for,
     refuse_old_map,
     refuse_overwriting,
     refuse_with_localize,
 )
 from lpslam.cli_options import ConfigFile, Json, Llm
-from lpslam.cli_runs import keep, localise_recording, partial_name, say_usage
+from lpslam.cli_runs import keep, localise_recording, map_for, partial_name, say_usage
 from lpslam.cli_serving import unwatched, watched
 from lpslam.cli_sources import Color, Depth, From, Info, To, topics_and_span
 from lpslam.cli_watching import Foxglove, Mcap, Rerun, each_of, refuse_watching, watchers_of
@@ -91,7 +90,7 @@ def run(
     settings = config_of(config)
     options = topics_and_span(color, depth, info, start, end, settings.pairing)
     frames = InOrder(open_source(source, camera, max_frames, settings.calibration, options), settings.times)
-    base = map_for(localize, continued, frames.camera, settings)
+    base, frames = map_for(localize, continued, frames, settings)
     is_endless = camera_in(frames) is not None
     if localize is not None and trajectory is not None:
         localise_recording(

@@ -118,6 +118,25 @@ def keep(world: Any, output: Path, is_held: bool = False, landmarks: Any = None)
     remember(world, identity, landmarks)
 
 
+def map_for(localize: Path | None, continued: Path | None, frames: Any, settings: Any) -> tuple[Any, Any]:
+    """The saved map that a recording is localised in, or that it continues, and its frames as the map's camera sees.
+
+    None without a map; the frames as they are then.
+    """
+    from lpslam.mapfile.language_map import LanguageMap
+    from lpslam.pipeline import seen_by_map
+
+    path = localize or continued
+    if path is None:
+        return None, frames
+    world = LanguageMap.load(path)
+    allowed = settings.same_camera if localize else settings.continued_camera
+    frames, note = seen_by_map(frames, world, path, allowed)
+    if note:
+        say(note)
+    return world, frames
+
+
 def say_usage(language: Any) -> None:
     """What a hosted model has cost; nothing of one that costs nothing."""
     from lpslam.language.hosted.usage import usage_of

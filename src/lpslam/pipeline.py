@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from lpslam.config import Config
+from lpslam.config import CameraMatchConfig, Config
 from lpslam.errors import UserError
 from lpslam.frames import FrameSource, RgbdFrame
 from lpslam.language.model import LanguageModel
 from lpslam.language.offline import embedded_model
+from lpslam.mapfile.compatibility import difference_of
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.navigation.asking import Answer, ask
 from lpslam.poses import StampedPoses
@@ -24,6 +25,7 @@ from lpslam.sources.live.source import LiveSource, camera_in
 from lpslam.sources.open import open_source
 from lpslam.sources.pacing import Paced
 from lpslam.sources.prefetch import Prefetched
+from lpslam.sources.seen_by import SeenBy
 from lpslam.text.again.looking import look_again
 from lpslam.text.distilling import DEFAULT_QUESTION, distil
 from lpslam.text.reading.spotting import TextSpotter
@@ -90,18 +92,21 @@ def run(
         live: take the frames at the pace at which they were recorded, as from a camera (one that is connected always
             is): mapping has threads of its own, and frames that come while tracking is busy are dropped. Implies that
             reading is not sequential.
-        base: a map of an earlier recording that this one continues; it is changed and returned.
+        base: a map of an earlier recording that this one continues; it is changed and returned. Frames of another
+            camera are resampled to that of the map.
         on_progress: called after every frame.
         on_step: the same, with the frame, what it brought, and the session, which may be looked at from any thread.
         should_stop: asked before every frame; the map so far is returned when it says yes.
 
     Raises:
-        UserError: the path holds no recording; not one frame of the source can be used, or tracked; or `base` was made
-            with another camera.
+        UserError: the path holds no recording; not one frame of the source can be used, or tracked; or hardly any of
+            what the camera of `base` sees is in view.
     """
     if isinstance(source, str | Path):
         source = open_source(Path(source))
     config = config or Config()
+    if base is not None:
+        source, _ = seen_by_map(source, base, "the map", config.continued_camera)
     camera = camera_in(source)
     live = live or camera is not None
     step: Step | None = None
@@ -141,6 +146,27 @@ def run(
     return world
 
 
+def seen_by_map(
+    source: FrameSource, world: LanguageMap, map_path: Path | str, config: CameraMatchConfig
+) -> tuple[FrameSource, str]:
+    """A source as the camera of a map would see it, and what is to be told of that: nothing where it is its camera.
+
+    Raises:
+        UserError: hardly any of what that camera would see is in view.
+    """
+    difference = difference_of(world.camera, source.camera, config)
+    if not difference:
+        return source, ""
+    seen = SeenBy(source, world.camera)
+    said = f"{map_path} was made with another camera: {difference}"
+    if seen.share < config.least_view:
+        raise UserError(
+            f"{said}; this one shows {seen.share:.0%} of that one's picture, too little to be found by: make a map with"
+            " this camera, or use one that sees more"
+        )
+    return seen, f"{said}; frames are resampled to it, of which they show {seen.share:.0%}"
+
+
 def _frames_of(source: FrameSource, config: Config, live: bool, should_stop: Callable[[], bool]) -> FrameSource:
     """Frames in order: a camera's as they come, a recording's ahead of time or, live, at its pace."""
     camera = camera_in(source)
@@ -177,7 +203,7 @@ def localise(
     Frames are read while the camera is lost, and when it was found among signs, until they have been compared.
 
     Args:
-        source: RGB-D frames in order of time, of the camera that made the map.
+        source: RGB-D frames in order of time; those of another camera than the map's are resampled to it.
         world: the map.
         config: thresholds; defaults without.
         spotter: finds and reads text; the networks of the configuration without, loaded when first needed.
@@ -186,9 +212,10 @@ def localise(
         should_stop: asked before every frame; what was found so far is returned when it says yes.
 
     Raises:
-        UserError: not one frame of the source can be used, or the map was made with another camera.
+        UserError: not one frame of the source can be used, or hardly any of what the map's camera sees is in view.
     """
     config = config or Config()
+    source, _ = seen_by_map(source, world, "the map", config.same_camera)
     localiser = Localiser(source.camera, world, config, spotter=spotter, text=text)
     started, landmarks = time.perf_counter(), len(world.text.memory.long_term)
     keyframes = len(world.slam.living_keyframes())

@@ -269,7 +269,7 @@ class CalibrationCheckConfig(Section):
 
 
 class CameraMatchConfig(Section):
-    """How far two calibrations of one camera may differ, for a recording to be used with a saved map."""
+    """How far two calibrations of one camera may differ, for frames to be used with a saved map as they are."""
 
     # Share of the focal length: calibrating the same camera twice gives as much.
     focal_share: float = Field(default=0.01, gt=0)
@@ -277,6 +277,8 @@ class CameraMatchConfig(Section):
     centre_pixels: float = Field(default=8.0, gt=0)
     # Pixels by which two distortions may place the same ray apart, anywhere in the image.
     distortion_pixels: float = Field(default=5.0, gt=0)
+    # Share of the picture of a map's camera that another camera must show, whose frames are resampled to it.
+    least_view: float = Field(default=0.2, gt=0, le=1)
 
 
 class TimesConfig(Section):

@@ -146,6 +146,7 @@ class TrackingConfig(Section):
     long_gap: float = Field(default=0.3, gt=0)  # seconds without frames after which the same: nothing was predicted
     recovery_candidates: int = Field(default=4, ge=1)  # places tried a frame when lost
     carried_speed: float = Field(default=2.0, gt=0)  # m/s; a camera that is carried unseen is not faster: a quick walk
+    told_drift: float = Field(default=0.3, gt=0)  # m/s by which a way that surfaces and corners tell may be wrong
     swerve_distance: float = Field(default=0.1, ge=0)  # metres besides, by which a pose may miss what motion foretells
     recovery_sweep: int = Field(default=3, ge=0)  # further keyframes a frame, whatever they look like: all in turn
     doubt_seconds: float = Field(default=3.0, ge=0)  # after relocalising, in which signs may speak against the place

@@ -18,7 +18,7 @@ def refuse_other_camera(
     map_path: Path | str,
     config: CameraMatchConfig | None = None,
 ) -> None:
-    """Let a recording be localised in a map only if the same pixel means the same ray in both.
+    """Let frames be used with a map only if the same pixel means the same ray in both.
 
     Depth scale and frame rate may differ: depth is kept in metres, times in seconds.
 
@@ -26,14 +26,13 @@ def refuse_other_camera(
         UserError: size, focal length, principal point or distortion differ by more than the configuration allows; names
             the first that does, with both values.
     """
-    config = config or CameraMatchConfig()
-    difference = _difference(map_camera, source_camera, config)
+    difference = difference_of(map_camera, source_camera, config or CameraMatchConfig())
     if difference:
-        raise UserError(f"{map_path} was made with another camera: {difference}; use a recording of the map's camera")
+        raise UserError(f"{map_path} was made with another camera: {difference}; resample its frames (SeenBy)")
 
 
-def _difference(ours: PinholeCamera, other: PinholeCamera, config: CameraMatchConfig) -> str:
-    """What differs, in a few words with both values; empty when nothing does."""
+def difference_of(ours: PinholeCamera, other: PinholeCamera, config: CameraMatchConfig) -> str:
+    """What differs between a map's camera and another, in a few words with both values; empty when nothing does."""
     if (ours.width, ours.height) != (other.width, other.height):
         return f"its images are {ours.width}×{ours.height}, the recording's {other.width}×{other.height}"
     for name in ("fx", "fy"):

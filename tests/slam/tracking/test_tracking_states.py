@@ -321,3 +321,5 @@ def test_a_camera_whose_motion_is_not_known_yet_may_have_come_anywhere(clip: Cli
     tracker._where.motion.forget()
     assert tracker._guesser.can_have_come(last, far, soon, None)
     assert not tracker._guesser.can_have_come(last, far, soon, pose), "frames since were coasted over"
+    assert tracker._guesser.can_have_come(last, far, soon + 1.0, pose), "for a second, in which it may have gone"
+    assert not tracker._guesser.can_have_come(last, far, soon + 1.0, pose, is_told=True), "it was seen not to go"

@@ -185,7 +185,12 @@ class Guesser:
         return self._motion.ahead(self.pose(last), timestamp - last.timestamp)
 
     def can_have_come(
-        self, last: LastFrame | None, camera_from_world: _Matrix, timestamp: float, carried: _Matrix | None
+        self,
+        last: LastFrame | None,
+        camera_from_world: _Matrix,
+        timestamp: float,
+        carried: _Matrix | None,
+        is_told: bool = False,
     ) -> bool:
         """Whether a camera can have moved to a pose (4×4) since the last frame; else it must be told as a place is.
 
@@ -196,6 +201,7 @@ class Guesser:
             camera_from_world: that a search has found.
             timestamp: of the frame, in seconds.
             carried: camera from world (4×4) where frames since the last were coasted over.
+            is_told: all the way there was told, and so is wrong by its drift alone.
 
         Returns:
             True as well where nothing foretells the pose: of a camera on a car two frames must say how fast it is.
@@ -203,7 +209,8 @@ class Guesser:
         if last is None or (carried is None and not self._motion.is_known):
             return True
         expected = self.predicted(last, timestamp) if carried is None else carried
-        reach = self._config.swerve_distance + self._config.carried_speed * (timestamp - last.timestamp)
+        speed = self._config.told_drift if is_told and carried is not None else self._config.carried_speed
+        reach = self._config.swerve_distance + speed * (timestamp - last.timestamp)
         return centre_distance(camera_from_world, expected) <= reach
 
     def prior(self, last: LastFrame | None, timestamp: float) -> PosePrior | None:

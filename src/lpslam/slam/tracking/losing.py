@@ -105,6 +105,11 @@ class Losing:
         ahead = None if last is None else self._carrying_on.ahead(last, timestamp)
         return None if last is None or ahead is None else ahead @ self._where.map.camera_from_world(last.reference)
 
+    @property
+    def is_way_told(self) -> bool:
+        """Whether the way of the frames that were coasted over is told, all but a little."""
+        return self._coasting.since is not None and self._carrying_on.is_told(self._untold)
+
     def seen(self) -> None:
         """A frame has a pose of its own: what is in view is known."""
         self._unknown_since = None

@@ -185,7 +185,8 @@ class Tracker:
             found = self._search.best(view, starts, gap, is_strict, prior)
             if found is not None:
                 pose, carried = found.estimate.camera_from_world, self._losing.expected(picture.timestamp)
-                if self._guesser.can_have_come(where.last, pose, picture.timestamp, carried):
+                is_told = self._losing.is_way_told
+                if self._guesser.can_have_come(where.last, pose, picture.timestamp, carried, is_told):
                     return self._take(picture, found)
             if followed is not None and self._holds(followed):
                 picture = replace(picture, features=followed.features, seen=followed.seen)
