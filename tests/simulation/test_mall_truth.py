@@ -95,11 +95,12 @@ def test_signs_are_where_they_are_said_to_be(ideal_mall: MallSource) -> None:
         assert 0.03 < sign.letter_height <= 1.6 * sign.height
 
 
+@pytest.mark.usefixtures("built_anew")
 def test_the_same_seed_gives_the_same_frames(mall: MallSource) -> None:
-    again = MallSource(3, frames=7, options=mall._options)
+    again = MallSource(3, frames=4, options=mall._options)
     frames = list(again)
-    assert [frame.index for frame in frames] == list(range(7))
-    for index in (0, 6):
+    assert [frame.index for frame in frames] == list(range(4))
+    for index in (0, 3):
         expected = mall.frame(index)
         assert np.array_equal(frames[index].rgb, expected.rgb)
         assert np.array_equal(frames[index].depth, expected.depth)

@@ -28,10 +28,11 @@ class Still:
         yield self.frame
 
 
+@pytest.mark.usefixtures("built_anew")
 def test_another_visit_is_another_walk_in_the_same_world(mall: MallSource) -> None:
     again = MallSource(3, options=SMALL, visit=1)
     assert again.camera == mall.camera
-    assert [sign.text for sign in again.signs] == [sign.text for sign in mall.signs]
+    assert [sign.text for sign in again._mall.signs] == [sign.text for sign in mall._mall.signs]
     first, second = (each.ground_truth.world_from_camera[:, :3, 3] for each in (mall, again))
     assert np.linalg.norm(first[0] - second[0]) > 0.5
     # Both follow the same corridor: every place of the one is near some place of the other.

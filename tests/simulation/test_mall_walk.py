@@ -9,9 +9,15 @@ from lpslam.config import SimulationConfig
 from lpslam.errors import UserError
 from lpslam.simulation.layout import plan
 from lpslam.simulation.lettering import is_chinese
-from lpslam.simulation.mall import build_mall
+from lpslam.simulation.mall import Mall, build_mall
 from lpslam.simulation.source import MallSource
 from lpslam.simulation.walk import Walk, stroll
+
+
+@pytest.fixture(scope="module")
+def default_mall() -> Mall:
+    """A world does not depend on how fast the camera turns in it."""
+    return build_mall(1, SimulationConfig())
 
 
 def turn_rates(walk: Walk) -> np.ndarray:
@@ -40,9 +46,8 @@ def test_corridors_are_wide_enough_and_walls_face_them(seed: int, shape: str, le
 
 @pytest.mark.slow
 @pytest.mark.parametrize("max_turn_rate", [45.0, 134.0])
-def test_default_walk_is_a_closed_loop_at_walking_pace(max_turn_rate: float) -> None:
-    options = SimulationConfig(max_turn_rate=max_turn_rate)
-    mall = build_mall(1, options)
+def test_default_walk_is_a_closed_loop_at_walking_pace(default_mall: Mall, max_turn_rate: float) -> None:
+    options, mall = SimulationConfig(max_turn_rate=max_turn_rate), default_mall
     walk = stroll(1, mall.layout, mall.signs, options, None)
     poses = np.array([walk.pose(i / 30) for i in range(walk.frames)])
     steps = np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1)

@@ -1,13 +1,16 @@
 """What `lpslam simulate` can be asked for."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from command_line import Command
 from lpslam.evaluation.signs import read_signs
+from lpslam.simulation.boards import street
 from lpslam.simulation.boards.labels import write_labelled
 from lpslam.simulation.boards.painting import paint_shop_board
+from lpslam.simulation.boards.street import pass_by as street_walk
 
 
 @pytest.mark.slow
@@ -67,7 +70,9 @@ def test_what_no_world_has_is_one_clear_line(lpslam: Command, tmp_path: Path) ->
 
 
 @pytest.mark.slow
-def test_fronts_of_ones_own_pictures(lpslam: Command, tmp_path: Path) -> None:
+def test_fronts_of_ones_own_pictures(lpslam: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of the walk past them the first ten frames."""
+    monkeypatch.setattr(street, "pass_by", lambda seed, shops: replace(street_walk(seed, shops), frames=10))
     write_labelled(tmp_path / "mine", [paint_shop_board(3, 0)])
     done = lpslam("simulate", tmp_path / "street", "--fronts", tmp_path / "mine", "--json")
     assert (done.code, done.json["signs"], done.json["boards"]) == (0, 1, "1 of 1")

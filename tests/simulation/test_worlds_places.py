@@ -107,7 +107,8 @@ def test_depth_and_colour_belong_together(depth: str) -> None:
 
 @pytest.mark.slow
 def test_a_written_world_is_a_recording(tmp_path: Path) -> None:
-    world = draw_world(13, place="living", compression="jpeg", delay="stamped", calibration="wrong", **SMALL)
+    brief = {**SMALL, "seconds": 1.5}
+    world = draw_world(13, place="living", compression="jpeg", delay="stamped", calibration="wrong", **brief)
     source = WorldSource(world)
     write_world(source, tmp_path)
     opened, truth = open_source(tmp_path), read_ground_truth(tmp_path)

@@ -200,25 +200,30 @@ class MallSource(WalkSource):
         if visit < 0:
             raise UserError(f"simulation: visit is {visit}; it must be 0 or more")
         options = options or SimulationConfig()
+        _refuse_distances(options)
         mall = build_mall(seed, options)
-        _refuse_impossible(options, len(mall.signs))
+        _refuse_repetition(options, len(mall.signs))
         walk = stroll(seed, mall.layout, mall.signs, options, frames, visit)
         super().__init__(f"mall-{seed}", seed, mall, walk, options, visit)
 
 
-def _refuse_impossible(options: SimulationConfig, signs: int) -> None:
-    """Refuse more repeated signs than a mall has, and distances that it does not have."""
-    repeated = options.duplicates + len(options.duplicate_distances)
-    if repeated >= signs:
-        raise UserError(
-            f"simulation: {repeated} duplicates are asked for; this mall has {signs} signs, of which at most "
-            f"{signs - 1} can repeat another one; ask for fewer, or for a larger mall"
-        )
+def _refuse_distances(options: SimulationConfig) -> None:
+    """Refuse distances between repeated signs that the mall to be built will not have."""
     farthest = max(options.duplicate_distances, default=0.0)
     if farthest > options.loop_length:
         raise UserError(
             f"simulation: duplicates {farthest:.6g} m apart do not fit a loop of {options.loop_length:g} m; ask for a "
             "shorter distance, or a longer loop"
+        )
+
+
+def _refuse_repetition(options: SimulationConfig, signs: int) -> None:
+    """Refuse more repeated signs than a mall has."""
+    repeated = options.duplicates + len(options.duplicate_distances)
+    if repeated >= signs:
+        raise UserError(
+            f"simulation: {repeated} duplicates are asked for; this mall has {signs} signs, of which at most "
+            f"{signs - 1} can repeat another one; ask for fewer, or for a larger mall"
         )
 
 
