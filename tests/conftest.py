@@ -26,9 +26,13 @@ from lpslam.mapfile.language_map import LanguageMap
 from lpslam.session import parts
 from lpslam.simulation.source import GroundTruth, MallSource
 from lpslam.simulation.writer import write_sequence
+from lpslam.slam import warm_up as warming
+from lpslam.slam.warm_up import warm_up
+from lpslam.sources import open as opening
 from lpslam.sources.open import open_source
 from lpslam.text.reading import networks
 from lpslam.text.reading.spotting import PaddleSpotter
+from remembered_checks import RememberedChecks
 from remembered_readings import RememberingSpotter
 
 FRAMES = 120
@@ -133,6 +137,33 @@ def read_once(shared: Path) -> Iterator[None]:
     RememberingSpotter.folder.mkdir(exist_ok=True)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(parts, "PaddleSpotter", RememberingSpotter)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def checked_once(shared: Path) -> Iterator[None]:
+    """The calibration of the same pictures is checked once; commands in processes of their own check for themselves."""
+    folder = shared / "checks"
+    folder.mkdir(exist_ok=True)
+    remembered = RememberedChecks(folder)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(opening, "pairs_of", remembered.pairs_of)
+        patch.setattr(opening, "_doubts_about_registration", remembered.doubts_about_registration)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def warmed_up_once() -> Iterator[None]:
+    """Each process goes through the kernels once; commands in processes of their own do so for themselves."""
+    done: list[float] = []
+
+    def warm_up_unless_done(announce: Callable[[str], None]) -> float:
+        if not done:
+            done.append(warm_up(announce))
+        return done[0]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(warming, "warm_up", warm_up_unless_done)
         yield
 
 
