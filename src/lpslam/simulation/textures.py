@@ -80,7 +80,7 @@ def wear(rng: np.random.Generator, picture: NDArray[np.float32], scale: float, a
     _shade(picture, 1 + 0.55 * layer)
 
 
-def _shade(picture: NDArray[np.float32], factor: Field) -> None:
+def _shade(picture: NDArray[np.float32], factor: NDArray[np.floating]) -> None:
     """Multiply a picture by a factor for each pixel, in place: colour by colour, which is faster than all three."""
     for channel in range(3):
         picture[..., channel] *= factor
