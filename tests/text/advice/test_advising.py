@@ -366,6 +366,42 @@ def test_one_text_that_stands_at_two_places_is_no_anchor() -> None:
     assert walks.advisor.recalls(walks.map) == []
 
 
+def coaches(read: str) -> list[Recalled]:
+    """What is recalled when a sign of a second coach is read, which is alike but for its number."""
+    first, second = Sign("Coach 21", 1.0), Sign("Coach 22", 14.0)
+    walks = TwoWalks(SIGNS, [])
+    for keyframe, sign in ((0, first), (1, first), (2, first), (27, second), (28, second), (29, second)):
+        walks.advisor.note(100, walks.sighting(keyframe, sign, float(keyframe)))
+    walks.advisor.note_view(-1, [replace(walks.sighting(28, replace(second, text=read), 99.0), keyframe=-1)])
+    return walks.advisor.recalls(walks.map)
+
+
+def test_signs_of_one_class_that_differ_in_a_number_are_told_apart() -> None:
+    (place,) = coaches("coach 22")
+    assert place.anchor is not None
+    np.testing.assert_allclose(place.anchor.middles, [[14.0, -0.5, 3.0]], atol=1e-9)
+    assert place.keyframe in {27, 28, 29}
+
+
+def test_a_reading_that_is_as_like_one_as_the_other_tells_neither() -> None:
+    assert coaches("Coach 2") == []
+
+
+def test_two_of_them_are_told_apart_beside_another_sign() -> None:
+    """Both coaches have the same sign beside the number; the number says which."""
+    signs = [Sign("Coach 21", 1.0), Sign("EXIT", 2.0), Sign("EXIT", 15.0), Sign("Coach 22", 14.0)]
+    walks = TwoWalks([], [])
+    for number, sign in ((100, signs[0]), (101, signs[1]), (101, signs[2]), (100, signs[3])):
+        for keyframe in range(round(sign.x / STEP) - 2, round(sign.x / STEP) + 3):
+            walks.advisor.note(number, walks.sighting(max(keyframe, 0), sign, float(keyframe)))
+    seen = [replace(walks.sighting(29, sign, 99.0), keyframe=-1) for sign in signs[2:]]
+    walks.advisor.note_view(-1, seen)
+    (place,) = walks.advisor.recalls(walks.map)
+    true = np.eye(4)
+    true[0, 3] = -STEP * 29
+    np.testing.assert_allclose(place.camera_from_world, true, atol=1e-6)
+
+
 def test_only_the_last_view_is_recalled() -> None:
     walks = TwoWalks(SIGNS, [])
     walks.advisor.note_view(-1, [walks.sighting(4, sign, 98.0) for sign in SIGNS[:2]])

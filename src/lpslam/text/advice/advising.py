@@ -26,6 +26,7 @@ from lpslam.text.advice.constellations import (
     contradict,
     likeness,
     nearest_views,
+    said_most_alike,
     seen_texts,
 )
 from lpslam.text.advice.sightlines import Sightline, anchor_of, is_ahead, standpoints
@@ -192,8 +193,12 @@ class TextAdvisor:
         for submap in sorted({int(submaps[observation.keyframe]) for _, observation in before}):
             here = self._often_read([each for each in before if submaps[each[1].keyframe] == submap], keyframes)
             sightlines = [
-                Sightline(bearing, camera_from_keyframe, [sign for sign in here if sign.text_class in keys])
-                for _, bearing, keys in seen
+                Sightline(
+                    bearing,
+                    camera_from_keyframe,
+                    said_most_alike(text.text, [sign for sign in here if sign.text_class in keys]),
+                )
+                for text, bearing, keys in seen
             ]
             for place in standpoints(sightlines, self._config):
                 view = self._nearest(keyframes, old[submaps[old] == submap], inverse_transform(place.camera_from_world))
@@ -220,9 +225,13 @@ class TextAdvisor:
         submaps, alive = keyframes.submaps(), set(keyframes.living_keyframes().tolist())
         worlds = {int(submaps[observation.keyframe]) for _, observation in before}
         signs = self._often_read(before, keyframes) if len(worlds) == 1 else []
-        if len(signs) != 1:
+        likest = said_most_alike(text.text, signs)
+        if len(likest) != 1:
             return [], None
-        corners = Sightline(bearing, camera_from_keyframe, signs).corners_if(signs[0])
+        if len(signs) > 1:
+            spelt = {comparison_key(each) for each in likest[0].spellings}
+            before = [each for each in before if comparison_key(each[1].text) in spelt]
+        corners = Sightline(bearing, camera_from_keyframe, likest).corners_if(likest[0])
         alike = [
             (abs(observation.letter_height - text.letter_height), observation.keyframe)
             for _, observation in before
@@ -230,7 +239,7 @@ class TextAdvisor:
         ]
         if not alike or not is_ahead(corners):
             return [], None
-        return [Recalled(min(alike)[1], anchor=anchor_of([(corners, signs[0])], text.timestamp))], signs[0]
+        return [Recalled(min(alike)[1], anchor=anchor_of([(corners, likest[0])], text.timestamp))], likest[0]
 
     def vetoes(self, keyframes: KeyframeMap, keyframe: int, candidate: int, camera_from_world: Array) -> str | None:
         """Refuse a pose among signs that say something else than those that were read lately."""

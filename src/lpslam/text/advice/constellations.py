@@ -91,6 +91,16 @@ class Constellation:
     old_from_new_world: Array
 
 
+def said_most_alike(text: str, signs: Sequence[Seen]) -> list[Seen]:
+    """Of the signs that a text may be, those whose commonest spelling is most like it; all that say the same.
+
+    Coach 21 and Coach 22, or a row of numbered pillars, are of one class, since they differ by a letter, as slips do.
+    """
+    key = comparison_key(text)
+    alike = [similarity(key, comparison_key(sign.spellings[0])) for sign in signs]
+    return [sign for sign, each in zip(signs, alike, strict=True) if each == max(alike)]
+
+
 def seen_texts(
     sightings: Sequence[tuple[int, TextObservation]], world_from_keyframe: KeyframePoses, config: AdviceConfig
 ) -> list[Seen]:
