@@ -260,6 +260,8 @@ def test_raw_depth_beside_depth_in_false_colours(tmp_path: Path, first: int) -> 
 def test_a_clock_that_is_set_back_is_said_and_lists_in_another_order_are_sorted(tmp_path: Path) -> None:
     swapped = np.roll(TIMES, 3)
     assert is_right_in_time(tum(tmp_path / "swapped", swapped), swapped)
+    lines = np.array([100.0, 100.1, 100.3, 100.2, 100.4, 100.5])
+    assert is_right_in_time(tum(tmp_path / "lines", lines), lines), "a logger wrote two lines in the wrong order"
     back = np.array([100.0, 100.1, 100.2, 100.05, 100.15, 100.25])
     with pytest.raises(UserError, match=r"goes back by 0\.15 between entries 3 and 4"):
         open_source(tum(tmp_path / "back", back))

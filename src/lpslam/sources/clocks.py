@@ -17,6 +17,8 @@ _SLOWEST = 4.0
 """Seconds between frames at most: a thousandth of more is another unit's step, of a camera of 250 frames a second."""
 _MOST_SET_BACK = 3
 """Times that a clock may be set back in one list; what goes back more often is in no order."""
+_FEW, _DENSE = 4, 1.5
+"""Stamps that say how dense they lie at least, and by how many times denser than usual two stretches in one lie."""
 _EPOCH = (1e9, 1e11)
 """Between these, stamps are seconds since 1970, however slowly frames come ..."""
 _SLOWEST_EPOCH = 60.0
@@ -52,15 +54,23 @@ def set_back_at(times: Times) -> int | None:
     """Where the clock of a list was set back (the number of its first stamp that comes before those ahead of it).
 
     None for a list that rises, that is in no order at all, or whose parts follow one another in another order: sorting
-    makes these right, and weaves the stretches of a clock that was set back into one another.
+    makes these right, and weaves the stretches of a clock that was set back into one another. Lines that a logger
+    swapped lie no denser when they are sorted.
     """
     drops = np.flatnonzero(np.diff(times) < 0) + 1
     if not len(drops) or len(drops) > max(_MOST_SET_BACK, len(times) // 1000):
         return None
     edges = [0, *drops.tolist(), len(times)]
     parts = sorted((times[begin:end].min(), times[begin:end].max()) for begin, end in itertools.pairwise(edges))
-    is_woven = any(first[1] > second[0] for first, second in itertools.pairwise(parts))
+    is_woven = any(_is_dense(times, second[0], first[1]) for first, second in itertools.pairwise(parts))
     return int(drops[0]) if is_woven else None
+
+
+def _is_dense(times: Times, first: float, last: float) -> bool:
+    """Whether more stamps lie between two than at the pace of the list; of a few that is chance."""
+    within = np.count_nonzero((times >= first) & (times <= last))
+    usual = float(np.median(np.abs(np.diff(times))))
+    return bool(within >= _FEW and (within - 1) * usual > _DENSE * (last - first))
 
 
 def refuse_set_back(times: Times, path: Path) -> None:
