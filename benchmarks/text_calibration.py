@@ -183,10 +183,10 @@ def read_rows(path: Path) -> list[Row]:
 def fit(rows: Sequence[Row]) -> Certainty:
     """Coefficients of `text/reading/certainty.py`: whether a reading is right."""
     x = np.array([(1.0, *row.terms) for row in rows])
-    return Certainty(*_logistic(x, np.array([row.is_right for row in rows], np.float64)).tolist())
+    return Certainty(*logistic(x, np.array([row.is_right for row in rows], np.float64)).tolist())
 
 
-def _logistic(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+def logistic(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
     """Coefficients of (n, m) terms that make (n,) zeros and ones most probable, by Newton's method."""
     beta = np.zeros(x.shape[1])
     for _ in range(FITTED):
@@ -203,7 +203,7 @@ def fit_names(sets: Sequence[Sequence[Row]]) -> list[float]:
         for name, right in named(rows):
             x.append(name.terms)
             y.append(right)
-    return _logistic(np.array(x), np.array(y, np.float64)).tolist()
+    return logistic(np.array(x), np.array(y, np.float64)).tolist()
 
 
 def named(rows: Sequence[Row]) -> Iterator[tuple[Certain, bool]]:

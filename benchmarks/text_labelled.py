@@ -70,7 +70,7 @@ def score(boards: Sequence[Painted], marks: Sequence[Landmark], truth_from_map: 
     """Count what is found, right and sure; what is not is printed."""
     found = dict.fromkeys(("main", "found", "exact", "called", "lines", "lines_found"), 0)
     best_of: list[tuple[int, Painted | None]] = [(0, None)] * len(marks)
-    named, exact = [False] * len(marks), [[False] * len(mark.lines) for mark in marks]
+    named, exact = [False] * len(marks), exact_lines(boards, marks, truth_from_map)
     for board in boards:
         likest, called = [0.0] * len(board.lines), [0.0] * len(board.lines)
         for row, mark in enumerate(marks):
@@ -79,7 +79,6 @@ def score(boards: Sequence[Painted], marks: Sequence[Landmark], truth_from_map: 
             called = list(map(max, called, likenesses(board.lines, own[:1], 2.0 * NEAR)))
             like = likenesses(own[1:], board.lines, NEAR)
             name = max(likenesses(own[:1], board.lines, 2.0 * NEAR)[0], *_of(mark.name, mark, like), 0.0)
-            exact[row] = [before or one >= 1.0 for before, one in zip(exact[row], like, strict=True)]
             named[row] = named[row] or name >= LIKE
             says = sum(one >= LIKE for one in like) if name >= LIKE else 0
             best_of[row] = max(best_of[row], (says, board), key=lambda each: each[0])
@@ -108,6 +107,25 @@ def score(boards: Sequence[Painted], marks: Sequence[Landmark], truth_from_map: 
         "error": round(calibration_error(stated, right), 3),
         "by_chance": error_by_chance(stated),
     }
+
+
+def exact_lines(boards: Sequence[Painted], marks: Sequence[Landmark], truth_from_map: Array) -> list[list[bool]]:
+    """Whether each line of each landmark is, by itself or with its row, just what some board says there."""
+    exact = [[False] * len(mark.lines) for mark in marks]
+    for board in boards:
+        for row, mark in enumerate(marks):
+            like = likenesses(board.said(mark, truth_from_map)[1:], board.lines, NEAR)
+            exact[row] = [before or one >= 1.0 for before, one in zip(exact[row], like, strict=True)]
+    return exact
+
+
+def stated_and_right(
+    boards: Sequence[Painted], marks: Sequence[Landmark], truth_from_map: Array
+) -> list[tuple[float, bool]]:
+    """How surely every line is said to be exact, and whether it is."""
+    exact = exact_lines(boards, marks, truth_from_map)
+    pairs = zip(marks, exact, strict=True)
+    return [(line.confidence, one) for mark, own in pairs for line, one in zip(mark.lines, own, strict=True)]
 
 
 def _of(name: str, mark: Landmark, like: Sequence[float]) -> list[float]:

@@ -179,6 +179,12 @@ def test_rooms_that_differ_in_a_digit_keep_their_numbers() -> None:
     assert [each.name for each in found] == ["MEETING ROOM 2", "MEETING ROOM 1"]
 
 
+def test_a_price_keeps_its_comma_where_its_class_is_called_by_another() -> None:
+    seen = observations("450", 0.0, 6) + observations("490", 8.0, 9, first=20) + observations("4,90", 8.0, 2, first=40)
+    found = places_of_class(text_class(seen, "450"), world, CONFIG, MEMORY)
+    assert [each.name for each in found] == ["450", "4,90"]
+
+
 def test_a_name_is_as_sure_as_its_own_place_says_where_other_places_of_the_class_say_another() -> None:
     seen = observations("ROOM 201", 0.0, 6, right=0.97) + observations("ROOM 204", 8.0, 6, right=0.97)
     class_of_two = text_class(seen, "ROOM 201")
@@ -255,6 +261,41 @@ def test_two_names_of_one_size_in_one_ink_on_unlike_grounds_are_on_two_sheets(
     # Below a larger name they are lines of its board.
     name = on(place(2000, "TANSY QUILLS", 0.0, -0.3, height=0.4), (75, 65, 70), (225, 225, 225))
     assert len(boards([name, first, second], CONFIG)) == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "width", "height", "found"),
+    [
+        ("廣和堂", 0.3, 1.2, 2),
+        ("HARTLEY", 1.2, 0.3, 1),  # runs across as well
+        ("廣和堂", 0.15, 0.6, 1),  # half as large: what a board says beside its name
+        ("0755 8320 1166", 0.3, 1.2, 1),  # a telephone number is some board's
+    ],
+)
+def test_two_names_of_one_size_one_across_and_one_down_are_on_two_boards(
+    name: str, width: float, height: float, found: int
+) -> None:
+    across = place(0, "平价五金", 0.0, 0.0, width=1.2, height=0.3)
+    # As near as two lines of one board are, on a ground as dark.
+    beside = place(1000, name, 0.72 + width / 2.0, 0.0, width=width, height=height)
+    assert len(boards([across, beside], CONFIG)) == found
+
+
+def test_texts_that_may_be_some_way_off_are_on_one_board_as_surely_as_their_surfaces_differ() -> None:
+    name = place(0, "MEADOW BARBER", 0.0, 0.0, height=0.3)
+    behind = place(1000, "TEL 020 7946 6437", 0.0, 0.35, z=3.3)
+    assert len(boards([name, behind], CONFIG)) == 2, "depth of both says that they are on two surfaces"
+    # One was placed by what is around it, as a lit board without depth is.
+    assert len(boards([name, replace(behind, uncertainty=0.3)], CONFIG)) == 1
+    # Which hides no wall half a metre behind.
+    far = replace(place(1000, "COPPER FOX", 0.0, 0.7, z=3.4, height=0.3), uncertainty=0.1)
+    assert len(boards([name, far], CONFIG)) == 2
+
+
+def test_columns_and_rows_of_one_list_stay_together() -> None:
+    rows = [place(1000 * row, name, 0.0, 0.25 * row, width=0.4, height=0.2) for row, name in ((0, "门锁"), (1, "灯泡"))]
+    down = place(9000, "管线", 0.32, 0.125, width=0.2, height=0.4)
+    assert len(boards([*rows, down], CONFIG)) == 1
 
 
 def test_a_text_never_seen_large_enough_is_no_landmark() -> None:

@@ -45,7 +45,7 @@ def test_the_groups_are_those_of_the_definition(seed: int, monkeypatch: pytest.M
 
     def kin(first: Any, second: Any) -> SimpleNamespace:
         a, b = row[id(first)], row[id(second)]
-        return SimpleNamespace(link=float(links[a, b]), divide=float(divides[a, b]), sheets=0.0)
+        return SimpleNamespace(link=float(links[a, b]), divide=float(divides[a, b]), names_apart=0.0)
 
     monkeypatch.setattr(module, "kinship", kin)
     found = [sorted(row[id(place)] for place in group) for group in module.boards(places, InstanceConfig())]

@@ -10,7 +10,10 @@ from lpslam.language.model import Reading
 from lpslam.language.sanitise import clean_text
 
 # Readers lose spaces far more often than they see one that is not there: so few readings are enough for it.
-_SPACE_SHARE = 0.2
+_SPACE_SHARE, _MOST = 0.2, 0.5
+# More so points, commas and colons within numbers: of 318 readings of such 40 had lost it, all of four texts in chalk;
+# of 728 readings of 98 numbers without, none had one.
+_POINTS, _POINT_SHARE = frozenset(".,:："), 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,17 +49,25 @@ def vote(readings: Sequence[Reading]) -> Vote:
     shares: list[float] = []
     for at in range(len(pivot) + 1):
         inserted = max(gaps[at].items(), key=lambda item: item[1], default=("", 0.0))
-        if inserted[1] > total * (0.5 if inserted[0].strip() else _SPACE_SHARE):
+        if inserted[1] > total * _share_needed(inserted[0], pivot[max(at - 1, 0) : at + 1]):
             letters.append(inserted[0])
             shares.append(inserted[1] / total)
         if at < len(pivot):
             # On a tie the pivot's own letter stays.
             letter = max(columns[at].items(), key=lambda item: (item[1], item[0] == pivot[at]))
-            if pivot[at] == " " and columns[at][" "] > total * _SPACE_SHARE:
-                letter = (" ", columns[at][" "])
+            needed = _share_needed(pivot[at], pivot[max(at - 1, 0) : at] + pivot[at + 1 : at + 2])
+            if needed < _MOST and columns[at][pivot[at]] > total * needed:
+                letter = (pivot[at], columns[at][pivot[at]])
             letters.append(letter[0])
             shares.append(letter[1] / total)
     return Vote(clean_text("".join(letters)), sum(shares) / len(shares), tuple(ranked))
+
+
+def _share_needed(added: str, around: str) -> float:
+    """The share of the readings that must have a letter, space or mark between two others for it to be there."""
+    if not added.strip():
+        return _SPACE_SHARE
+    return _POINT_SHARE if added in _POINTS and len(around) == 2 and around.isdigit() else _MOST
 
 
 def _columns(pivot: str, ranked: Sequence[tuple[str, float]]) -> tuple[list[dict[str, float]], list[dict[str, float]]]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from lpslam.config import InstanceConfig
-from lpslam.text.boards.kinship import CONTACT_ALONE, SHEETS, Kinship, kinship
+from lpslam.text.boards.kinship import CONTACT_ALONE, Kinship, kinship
 from lpslam.text.boards.roles import Role, role_by_form
 from lpslam.text.placing.places import Place
 
@@ -64,14 +64,14 @@ class _Kin:
         self._letters = letters
         self._link: dict[tuple[int, int], float] = {}
         self._divide: dict[tuple[int, int], float] = {}
-        self._sheets: dict[tuple[int, int], float] = {}
+        self._names_apart: dict[tuple[int, int], float] = {}
         self.linked: dict[int, set[int]] = {}
 
     def add(self, first: int, second: int, kin: Kinship) -> None:
         """Take a pair, the later first."""
         self._link[first, second], self._divide[first, second] = kin.link, kin.divide
-        if kin.sheets:
-            self._sheets[first, second] = SHEETS * kin.sheets
+        if kin.names_apart:
+            self._names_apart[first, second] = kin.names_apart
         if np.isfinite(kin.link):
             self.linked.setdefault(first, set()).add(second)
             self.linked.setdefault(second, set()).add(first)
@@ -82,7 +82,7 @@ class _Kin:
         link = max(self._link.get(pair, -np.inf) for row in pairs for pair in row)
         divide = np.array([[self._divide.get(pair, 0.0) for pair in row] for row in pairs])
         a, b = (max(group, key=self._letters.__getitem__) for group in (first, second))
-        return float(link + divide.mean() + self._sheets.get((max(a, b), min(a, b)), 0.0))
+        return float(link + divide.mean() + self._names_apart.get((max(a, b), min(a, b)), 0.0))
 
 
 def _pairs_in_reach(places: Sequence[Place], config: InstanceConfig) -> list[tuple[int, int]]:

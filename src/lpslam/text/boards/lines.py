@@ -26,9 +26,13 @@ _COLUMN_SIZE, _COLUMN_STEP, _COLUMN_SHIFT = 1.15, 2.0, 0.3
 _LEANS = 0.8
 # Width of a box over its height from which its line runs across: one that runs down has nothing beside it.
 _ACROSS = 0.8
-# Log odds that a line is right: at even odds, and what they grow by with those that its readings tell. One cause may
-# spoil them all, so they tell less than they say; what is left of a text that is doubted is right more often than not.
-_AT_EVEN, _GROWTH = 0.37, 0.66
+AT_EVEN, GROWTH = 0.37, 0.66
+"""Log odds that a line is right: at even odds, and what they grow by with those that its readings tell.
+
+One cause may spoil them all, so they tell less than they say; what is left of a text that is doubted is right more
+often than not. Fitted to labelled walks (`benchmarks/text_certainty.py`).
+"""
+
 # Log odds that are believed.
 _SUREST = 20.0
 
@@ -61,7 +65,7 @@ def lines_of(board: Sequence[Place]) -> tuple[LandmarkLine, list[LandmarkLine]]:
 def as_measured(sure: float) -> float:
     """How often a line is right, 0 to 1, of which its readings tell that it is so surely: fitted to labelled walks."""
     odds = log(max(sure, exp(-_SUREST)) / max(1.0 - sure, exp(-_SUREST)))
-    return 1.0 / (1.0 + exp(-_AT_EVEN - _GROWTH * odds))
+    return 1.0 / (1.0 + exp(-AT_EVEN - GROWTH * odds))
 
 
 def _levelled(reference: Place, board: Sequence[Place]) -> Place:

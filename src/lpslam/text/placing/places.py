@@ -1,6 +1,5 @@
 """The places of long-term texts: where each class stands (III-H), and what it says there."""
 
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import exp
@@ -10,7 +9,9 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from lpslam.config import InstanceConfig, MemoryConfig
+from lpslam.language.model import Reading
 from lpslam.language.naming.channel import evidence_of, log_likelihood, paint_key
+from lpslam.language.naming.voting import vote
 from lpslam.text.placing.bearings import placed
 from lpslam.text.placing.columns import WorldSightings
 from lpslam.text.placing.instances import KeyframePoses, split_places, trimmed_position
@@ -66,6 +67,7 @@ class Place:
         clear: how far its ground goes on above, right of, below and left of it, in letter heights; None where unknown.
         is_text: whether it is likelier a whole text than a piece of one, or than none.
         seen: the sightings.
+        uncertainty: metres, standard deviation of the position: the median of the sightings'.
     """
 
     id: int
@@ -89,6 +91,7 @@ class Place:
     clear: Array | None = None
     is_text: bool = True
     seen: tuple[TextObservation, ...] = ()
+    uncertainty: float = 0.0
 
     @property
     def letter(self) -> float:
@@ -170,6 +173,7 @@ def _place(key: int, name: str, sure: float, seen: WorldSightings, config: Insta
         sizes_by_frame={frame: (size[0], size[1]) for frame, size in zip(frames, seen.sizes.tolist(), strict=True)},
         clear=_clear(seen.observations),
         seen=tuple(seen.observations),
+        uncertainty=float(np.median([each.place.uncertainty for each in trusted.observations])),
     )
 
 
@@ -353,8 +357,8 @@ def _held_to(seen: Sequence[TextObservation], name: str, sure: float, config: Me
         # What other places say is of other doors: if they contradict the name, what was read here does not.
         said = next((each.right for each in here if each.key == key), 0.0)
         return name, max(sure, said / (1.0 + exp(max(most, -_SUREST))))
-    spelling = Counter(each.text for each in seen if paint_key(each.text) == best.key).most_common(1)[0][0]
-    return spelling, best.right / (1.0 + exp(-min(most, _SUREST)))
+    same = [Reading(each.text, 1, each.confidence) for each in seen if paint_key(each.text) == best.key]
+    return vote(same).text, best.right / (1.0 + exp(-min(most, _SUREST)))
 
 
 def _looks(text: str) -> str:
