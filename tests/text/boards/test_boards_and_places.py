@@ -292,6 +292,16 @@ def test_texts_that_may_be_some_way_off_are_on_one_board_as_surely_as_their_surf
     assert len(boards([name, far], CONFIG)) == 2
 
 
+def test_texts_that_lie_over_one_another_are_no_pieces_of_one_line() -> None:
+    upper = replace(place(0, "COLOMBIA", 0.0, 0.0, width=0.6, height=0.14), uncertainty=0.2)
+    lower = replace(place(1000, "KOKE", 0.07, 0.03, width=0.45, height=0.14, z=3.3), uncertainty=0.3)
+    _, lines = lines_of([upper, lower])
+    assert sorted(each.text for each in lines) == ["COLOMBIA", "KOKE"]
+    # Boxes are somewhat larger than their words.
+    beside = place(1000, "KOKE", 0.5, 0.03, width=0.45, height=0.14)
+    assert [each.text for each in lines_of([upper, beside])[1]] == ["COLOMBIA KOKE"]
+
+
 def test_columns_and_rows_of_one_list_stay_together() -> None:
     rows = [place(1000 * row, name, 0.0, 0.25 * row, width=0.4, height=0.2) for row, name in ((0, "门锁"), (1, "灯泡"))]
     down = place(9000, "管线", 0.32, 0.125, width=0.2, height=0.4)

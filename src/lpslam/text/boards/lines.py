@@ -165,7 +165,8 @@ def _go_on(first: Place, second: Place, reference: Place) -> bool:
         and _ratio(first, second) <= ratio
         and float(first.baseline @ second.baseline) >= _LEANS
         and shifted <= shift * letter
-        and gap <= space * letter
+        # What lies over one another is not side by side: places of texts without depth are not told finely.
+        and -letter <= gap <= space * letter
     )
 
 
