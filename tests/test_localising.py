@@ -369,6 +369,14 @@ def test_live_on_the_command_line_with_a_map_to_continue(
     assert LanguageMap.load(output).trajectory.session == 1
 
 
+def test_pictures_are_not_enlarged_to_those_of_any_map(begun: Path, walk: Path) -> None:
+    """A map says what camera made it: one of 64 million pixels would take gigabytes."""
+    world = LanguageMap.load(begun)
+    world.camera = replace(world.camera, width=8000, height=8000)
+    with pytest.raises(UserError, match="cannot be enlarged"):
+        pipeline.localise(again(walk, 3), world, text=False)
+
+
 def test_frames_of_another_camera_are_used_as_that_of_the_map_would_see_them(
     lpslam: Command, begun: Path, walk: Path, tmp_path: Path
 ) -> None:

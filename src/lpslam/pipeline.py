@@ -157,8 +157,10 @@ def seen_by_map(
     difference = difference_of(world.camera, source.camera, config)
     if not difference:
         return source, ""
-    seen = SeenBy(source, world.camera)
-    said = f"{map_path} was made with another camera: {difference}"
+    said, theirs = f"{map_path} was made with another camera: {difference}", world.camera
+    if theirs.width * theirs.height > config.most_enlarged**2 * source.camera.width * source.camera.height:
+        raise UserError(f"{said}; so small pictures cannot be enlarged to it: make a map with this camera")
+    seen = SeenBy(source, theirs)
     if seen.share < config.least_view:
         raise UserError(
             f"{said}; this one shows {seen.share:.0%} of that one's picture, too little to be found by: make a map with"

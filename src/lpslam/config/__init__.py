@@ -279,6 +279,8 @@ class CameraMatchConfig(Section):
     distortion_pixels: float = Field(default=5.0, gt=0)
     # Share of the picture of a map's camera that another camera must show, whose frames are resampled to it.
     least_view: float = Field(default=0.2, gt=0, le=1)
+    # Times by which the sides of its pictures may be enlarged for that: more shows nothing of what the map's show.
+    most_enlarged: float = Field(default=4.0, ge=1)
 
 
 class TimesConfig(Section):
