@@ -28,6 +28,7 @@ ALLOWED: dict[str, set[str]] = {
     "calibration": {"sources", "slam"},
     "text": {
         "language.naming.channel",
+        "language.naming.voting",
         "language.model",
         "language.sanitise",
         "language.tables.forms",
