@@ -116,9 +116,10 @@ def _plan(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Wish |
     """Read stops that a text puts in order by a word for it: “first … then …”, 먼저 …고."""
     for language in languages:
         rules = rules_of(language)
-        found = rules.first("sequences", text)
-        rest = _in_sequence(text, rules)
-        is_ordered = language == languages[0] and rules["ordering"].search(text) is not None
+        said = rules.resuming(text)
+        found = rules.first("sequences", said)
+        rest = _in_sequence(said, rules)
+        is_ordered = language == languages[0] and rules["ordering"].search(said) is not None
         is_plan = is_ordered or len(rest) > 1
         parts = [each for part in rest for each in pieces_of(part, (language,), knowledge)] if is_plan else []
         is_sure = is_ordered or found is None or not found[0].then.get("perhaps")

@@ -24,7 +24,7 @@ _CASED = "(?-i:"  # a pattern with it heeds case in part
 _TABLES = ("asks", "orders", "sequences", "relations", "exclusions", "refusals", "among", "persons", "cues")
 _WORDS = (
     *("here", "previous", "filler", "any", "spots", "meeting", "inside", "unsaid", "between", "alternative_ends"),
-    *("joints", "ordering"),
+    *("joints", "ordering", "resumed"),
 )
 _ANY_CASE = re.IGNORECASE
 _DEEPEST = 3  # parts within parts
@@ -74,6 +74,7 @@ class Rules:
     tables: Mapping[str, tuple[Row, ...]]
     words: Mapping[str, str]
     ranks: Mapping[str, int]
+    then: str
 
     def __getitem__(self, name: str) -> re.Pattern[str]:
         """Return the pattern of some words, made ready when it is first asked for."""
@@ -87,6 +88,10 @@ class Rules:
     def holding(self, table: str, text: str) -> Iterator[tuple[Row, re.Match[str]]]:
         """The rows of a table that hold, in their order."""
         return ((row, found) for row in self.tables[table] if (found := row.match(text)))
+
+    def resuming(self, text: str) -> str:
+        """Return a text with “then” for each clause that says that what was said is done: “看电影，看完再去”."""
+        return self["resumed"].sub(self.then, text)
 
     def first(self, table: str, text: str) -> tuple[Row, re.Match[str]] | None:
         """The first row of a table that holds; rows stand in order, the most particular first."""
@@ -113,7 +118,9 @@ def rules_of(language: str) -> Rules:
             for when in ([row["when"]] if "when" in row else [_said(shape, row["said"]) for shape in tree["shapes"]])
         )
 
-    rules = Rules({name: rows(name) for name in _TABLES}, {name: filled(tree[name]) for name in _WORDS}, ranks)
+    rules = Rules(
+        {name: rows(name) for name in _TABLES}, {name: filled(tree[name]) for name in _WORDS}, ranks, tree["then"]
+    )
     said = [(each, flags) for row in rules.rows for each in (row.when, row.unless) if each for flags in (0, _ANY_CASE)]
     keep_ready(language, (*said, *((each, _ANY_CASE) for each in (*rules.words.values(), *tree["polarity"].values()))))
     return rules
