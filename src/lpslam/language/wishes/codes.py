@@ -38,8 +38,11 @@ _END = r"([a-z]{0,2}[-.]?\d{1,4}(?:\.\d{1,3})?[a-z]?|[a-z]{1,2})"
 _RANGE = re.compile(rf"(?<![a-zà-ÿ0-9])(?<!\d\.){_END} ?(?:{_AMOUNTS['to']}) ?{_END}(?![a-z0-9])")
 _QUANTITY = re.compile(
     rf"\d+(?:[.,:h]\d+)? ?(?:{_AMOUNTS['times']}|{_AMOUNTS['measures']})(?![a-z])|\d{{1,2}}:\d{{2}}|[$€£¥]\d+"
-    rf"|(?<!\w)(?:{_AMOUNTS['years']}) (?:1[5-9]|20)\d\d(?!\w)",
+    rf"|(?<!\w)(?:{_AMOUNTS['years']}) (?:1[5-9]|20)\d\d(?!\w)|(?:{_AMOUNTS['sizes']}) ?\d+",
     re.IGNORECASE,
+)
+_AGES = re.compile(
+    rf"(?:\d+ ?(?:{_AMOUNTS['to']}) ?)?\d+ ?(?:years?|años|ans|jahren?|岁|歳|才|살|세)(?![^\W\d_\u2e80-\uffff])"
 )
 _PLURAL = "es|s|x"
 _SHORTEST_HEAD = 4  # letters of the head of a compound
@@ -187,6 +190,8 @@ def board_codes(text: str) -> tuple[Code, ...]:
     """Return the codes that a board bears: every number, code and range; and letters beside what is numbered."""
     folded = _board(text)
     found: list[Code] = []
+    # “4 a 7 años · Sábados” numbers nothing.
+    folded = _AGES.sub(" ", folded)
     for hit in _RANGE.finditer(folded):
         span = range_of(hit.group(1), hit.group(2), _of_board_code(folded, hit.start(), hit.end()))
         found += [span] if span is not None else []

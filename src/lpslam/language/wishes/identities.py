@@ -166,7 +166,9 @@ class Identities:
         # What is painted goes before what may be misread.
         found = self._coded(asked) or self._alike(asked) or self._unclassed(asked)
         is_short = not asked.letters and len(asked.value) < _LONG_NUMBER
-        things = self._lettered if asked.number is None else self._things if is_short else frozenset()
+        # A long number is a room's even where its board does not say so; of seats and lockers it is theirs alone.
+        is_strict = is_short or not (asked.letters or "room" in asked.of)
+        things = self._lettered if asked.number is None else self._things if is_strict else frozenset()
         if asked.of & things:
             # Where aisles are numbered as aisles, a number that is of nothing is no aisle.
             found = {id_: score for id_, score in found.items() if score > _SURE - 0.1}

@@ -328,7 +328,7 @@ def _without(
         if (asked or is_told) and not is_read and (is_one or asked.keys() & left.keys() or is_unread):
             if is_told and not (stop.identity or is_ordered):
                 # “The lounge that isn't the blue one”, “changing rooms, but not those for women”.
-                return what, (replace(stop, what=f"{what} {out}"),), ""
+                return what, tuple(replace(stop, what=f"{what} {each}") for each in each_of(out)), ""
             if is_one:
                 return what, (replace(stop, what=what) if not left and not stop.identity else stop,), ""
             # “Neither the piano nor the violin” are two places.

@@ -31,7 +31,7 @@ _DEEPEST = 3  # parts within parts
 ALIKE = 0.9  # of the best score: what serves what is refused, or what is left of what is wanted, as well
 LEAST_REFUSED = 0.4  # probability that a place is what is refused, from which it is left out
 _EACH = re.compile(
-    r"[,，、;] ?|(?: |^)(?:ni|nor|or|noch|und|oder|et|ou|y|o|and)(?: |$)"
+    r"[,，、;] ?|(?<![何誰])でも|(?: |^)(?:ni|nor|or|noch|und|oder|et|ou|y|o|and)(?: |$)"
     r"|(?<=[^、,])和(?![食室式風菓服])|[或とや]|也(?=不|别)|(?:이나|하고) "
 )
 _CAPITAL = re.compile(r"(?<![^\W_\u2e80-\uffff])[A-Z](?![^\W_\u2e80-\uffff]|['’])")
