@@ -27,9 +27,9 @@ def chained(text: str, languages: Sequence[str]) -> list[str]:
     """Return the pieces of a text between the joints of the first language that has any; one without."""
     for language in languages[:1]:
         rules = rules_of(language)
-        said = (piece for each in rules["joints"].split(text) if (piece := each.strip(_ENDS)))
+        said = [piece for each in rules["joints"].split(text) if (piece := each.strip(_ENDS))]
         # “豆腐買って帰る”: that one goes then is no stop.
-        pieces = _with_codes([piece for piece in said if content_left(piece, rules)])
+        pieces = _with_codes(said if not said or content_left(said[-1], rules) else said[:-1])
         if len(pieces) > 1 and all(len(piece) <= _MOST_LETTERS for piece in pieces):
             return pieces
     return [text]
