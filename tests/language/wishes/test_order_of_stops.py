@@ -32,6 +32,7 @@ WAYS = {
         "{first}, und von dort aus {then}",
         "als Erstes {first}, als Nächstes {then}",
         "ich muss {first}, ehe ich {then} kann",
+        "wenn ich mit {first} fertig bin, {then}",
     ],
     "fr": [
         "avant de {then}, je veux {first}",
@@ -41,6 +42,7 @@ WAYS = {
         "{first}, et de là {then}",
         "{first}. Cela fait, {then}",
         "dans un premier temps {first}, dans un second temps {then}",
+        "dès que j'ai fini de {first}, {then}",
     ],
     "es": [
         "después de {first} quiero {then}",
@@ -50,6 +52,8 @@ WAYS = {
         "{first}; una vez hecho eso, {then}",
         "{then}, pero no sin antes {first}",
         "al terminar de {first}, {then}",
+        "en cuanto acabe de {first}, {then}",
+        "hasta no {first} no puedo {then}",
     ],
     "zh": [
         "我们先{first}，弄完之后{then}",
@@ -58,6 +62,7 @@ WAYS = {
         "等{first}完了就{then}",
         "{first}，接下来{then}",
         "咱们{first}完了去{then}",
+        "要{then}得先{first}",
     ],
     "ja": [
         "{first}てから{then}たい",
@@ -65,6 +70,7 @@ WAYS = {
         "まず{first}て、それが済んだら{then}たい",
         "{then}るのは{first}た後で",
         "{first}て、続けて{then}ます",
+        "とりあえず{first}て、あとは{then}たい",
     ],
     "ko": [
         "{first}고 나서 {then}고 싶어요",
@@ -72,6 +78,8 @@ WAYS = {
         "먼저 {first}고 {then}러 가요",
         "{first}고서 {then}려고요",
         "{first}고, 끝나면 {then}러 갈래요",
+        "{first}자마자 {then}러 갈게요",
+        "{then}려면 먼저 {first}아야 해요",
     ],
 }
 
