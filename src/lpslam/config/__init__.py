@@ -233,6 +233,17 @@ class FocalCheckConfig(Section):
     min_gain: float = 0.05
 
 
+class ContinuityConfig(Section):
+    """When frames of one folder are those of two recordings."""
+
+    # Seconds without a frame from which it is asked: whoever goes on with a walk goes on within the hour.
+    longest_gap_s: float = Field(default=3600.0, gt=0)
+    # Frames on either side: fewer are stamps that are wrong.
+    least_frames: int = Field(default=3, ge=2)
+    # One less the correlation of small pictures, up to which they go on: then the clock was set, and the walk is one.
+    most_unlike: float = Field(default=0.5, gt=0, le=1)
+
+
 class CalibrationCheckConfig(Section):
     """When a calibration is doubted: beyond what is usual is said, beyond what is possible is refused."""
 
@@ -266,6 +277,8 @@ class CalibrationCheckConfig(Section):
     focal: FocalCheckConfig = FocalCheckConfig()
     # By contours of things.
     registration: RegistrationCheckConfig = RegistrationCheckConfig()
+    # By what lies between its frames.
+    continuity: ContinuityConfig = ContinuityConfig()
 
 
 class CameraMatchConfig(Section):

@@ -17,7 +17,13 @@ from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
 from lpslam.sources.calibrations.azure_raw import states_azure, tree_of_azure
 from lpslam.sources.calibrations.depth_units import DEPTH_DISPLACEMENT, DEPTH_SCALE, depth_unit, states_depth_unit
-from lpslam.sources.calibrations.distortion import DISTORTION, MODEL, NOT_SUPPORTED, distortion_of
+from lpslam.sources.calibrations.distortion import (
+    DISTORTION,
+    MODEL,
+    NOT_SUPPORTED,
+    distortion_of,
+    refuse_other_projections,
+)
 from lpslam.sources.calibrations.extrinsics import transform_between
 from lpslam.sources.calibrations.forms import read_tree
 from lpslam.sources.calibrations.intrinsics import FOCAL, MATRICES, PAIRS, has_intrinsics, intrinsics_of
@@ -118,6 +124,7 @@ def calibration_of(
     shared = [scopes[0] for scopes in sections if len(scopes) == 2 and not has_intrinsics(scopes[0])]
     scopes = (section, *around, *shared)
     notes: list[str] = []
+    refuse_other_projections((section, *around), path)
     stated = _size(scopes, path)
     fx, fy, cx, cy = intrinsics_of(section, stated or image_size, path, notes)
     if any(scope.get(key) is True for scope in scopes for key in NOT_SUPPORTED):

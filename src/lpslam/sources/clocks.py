@@ -57,13 +57,26 @@ def set_back_at(times: Times) -> int | None:
     makes these right, and weaves the stretches of a clock that was set back into one another. Lines that a logger
     swapped lie no denser when they are sorted.
     """
-    drops = np.flatnonzero(np.diff(times) < 0) + 1
-    if not len(drops) or len(drops) > max(_MOST_SET_BACK, len(times) // 1000):
+    drops = drops_of(times)
+    if not drops:
         return None
-    edges = [0, *drops.tolist(), len(times)]
+    edges = [0, *drops, len(times)]
     parts = sorted((times[begin:end].min(), times[begin:end].max()) for begin, end in itertools.pairwise(edges))
     is_woven = any(_is_dense(times, second[0], first[1]) for first, second in itertools.pairwise(parts))
-    return int(drops[0]) if is_woven else None
+    return drops[0] if is_woven else None
+
+
+def drops_of(times: Times) -> list[int]:
+    """Numbers of the stamps that come before those ahead of them; none of a list that is in no order at all."""
+    drops = np.flatnonzero(np.diff(times) < 0) + 1
+    return drops.tolist() if len(drops) <= max(_MOST_SET_BACK, len(times) // 1000) else []
+
+
+def is_in_parts(times: Times) -> bool:
+    """Whether a list consists of some stretches that rise and share no time, in another order."""
+    edges = [0, *drops_of(times), len(times)]
+    parts = sorted((times[begin:end].min(), times[begin:end].max()) for begin, end in itertools.pairwise(edges))
+    return len(parts) > 1 and all(first[1] < second[0] for first, second in itertools.pairwise(parts))
 
 
 def _is_dense(times: Times, first: float, last: float) -> bool:

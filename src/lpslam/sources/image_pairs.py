@@ -1,6 +1,7 @@
 """A source of frames that lie as pairs of colour and depth images in a folder."""
 
 import logging
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -108,7 +109,7 @@ class ImagePairSource:
     @property
     def is_of_one_size(self) -> bool:
         """Whether depth images have the size of colour images, as far as a few of them tell."""
-        depths = _sizes([pair.depth for pair in self._pairs if pair.depth is not None])
+        depths = sizes_of(self._name, "depth", [pair.depth for pair in self._pairs if pair.depth is not None])
         return not depths or (self._camera.width, self._camera.height) in depths
 
     @property
@@ -255,8 +256,8 @@ def first_image_size(paths: Sequence[PictureFile]) -> tuple[int, int] | None:
 
 def _refuse_other_size(name: str, camera: PinholeCamera, pairs: Sequence[ImagePair], *, is_registered: bool) -> None:
     wanted = (camera.width, camera.height)
-    colours = _sizes([pair.colour for pair in pairs])
-    depths = _sizes([pair.depth for pair in pairs if pair.depth is not None])
+    colours = sizes_of(name, "colour", [pair.colour for pair in pairs])
+    depths = sizes_of(name, "depth", [pair.depth for pair in pairs if pair.depth is not None])
     if is_registered and colours and depths and not colours & depths:
         raise UserError(
             f"{name}: its colour images are {_in_words(colours)}, its depth images {_in_words(depths)}; "
@@ -269,9 +270,24 @@ def _refuse_other_size(name: str, camera: PinholeCamera, pairs: Sequence[ImagePa
         )
 
 
-def _sizes(paths: Sequence[PictureFile]) -> set[tuple[int, int]]:
+def sizes_of(name: str, what: str, paths: Sequence[PictureFile]) -> set[tuple[int, int]]:
+    """Sizes of some of the images, spread over all; of two recordings in one folder a `UserError`.
+
+    Args:
+        name: of the recording.
+        what: the images are, in a word.
+        paths: in order of time.
+    """
     rows = np.unique(np.linspace(0, len(paths) - 1, _PROBES).astype(int)) if paths else ()
-    return {size for size in (image_size(paths[row]) for row in rows) if size is not None}
+    sizes = Counter(size for size in (image_size(paths[row]) for row in rows) if size is not None)
+    # One alone is damaged.
+    often = [size for size, count in sizes.most_common() if count > 1]
+    if len(often) > 1:
+        raise UserError(
+            f"{name}: its {what} images are of two sizes, {_in_words({often[0]})} and {_in_words({often[1]})}: these "
+            "are two recordings; put each into a folder of its own, with its calibration"
+        )
+    return set(sizes)
 
 
 def _in_words(sizes: set[tuple[int, int]]) -> str:

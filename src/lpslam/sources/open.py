@@ -1,8 +1,6 @@
 """Opening a recording whatever its format, guessed from the path."""
 
 import logging
-import shutil
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,13 +8,12 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from lpslam.config import CalibrationCheckConfig, JobsConfig, PairingConfig
+from lpslam.config import CalibrationCheckConfig, PairingConfig
 from lpslam.errors import UserError
-from lpslam.interruption import at_end
 from lpslam.regular_files import is_regular
-from lpslam.sources.archives import unpack
 from lpslam.sources.bags.topics import TopicChoice
 from lpslam.sources.captures.layouts import CAPTURES
+from lpslam.sources.continuity import refuse_two_walks
 from lpslam.sources.focal_check import doubts_about_focal
 from lpslam.sources.followed_pairs import pairs_of
 from lpslam.sources.image_pairs import ImagePairSource
@@ -33,6 +30,7 @@ from lpslam.sources.registering.by_contours import find_displacement, looks_disp
 from lpslam.sources.registering.displacement import DepthDisplacement
 from lpslam.sources.sevenscenes import looks_like_seven_scenes, open_seven_scenes
 from lpslam.sources.tum import looks_like_tum, open_tum
+from lpslam.sources.unpacked import ARCHIVES, unpacked
 
 logger = logging.getLogger(__name__)
 
@@ -120,10 +118,6 @@ FORMATS = (
 )
 _ANY_FOLDER = FORMATS[-1]
 """What is tried last, where no layout is known."""
-_ARCHIVES = frozenset((".zip", ".tar", ".gz", ".tgz", ".bz2", ".xz", ".zst", ".7z", ".rar"))
-_SHARE_OF_DISK = 0.8
-"""Of the free room of the disk for temporary files, that an archive may take."""
-_UNPACKED: dict[tuple[str, int, int], tempfile.TemporaryDirectory[str]] = {}
 _MILLIMETRES = 1000.0
 BAGS = "a ROS bag (.bag, .db3, .mcap)"
 
@@ -152,6 +146,7 @@ def open_source(
         return _opened_camera(path, camera_file, max_frames, options or SourceOptions())
     checks = checks or CalibrationCheckConfig()
     source = _scaled(_opened(path, camera_file, max_frames, options or SourceOptions(), nominal=False), checks)
+    refuse_two_walks(source.name, source.timestamps, source.frame, checks.continuity)
     doubts = doubts_about_intrinsics(source.camera, checks)
     if not any(doubt.is_fatal for doubt in doubts):
         pairs = pairs_of(source.frame, source.timestamps, checks.focal)
@@ -216,8 +211,8 @@ def _opened(
             found = None if inner else found
         if found is None and (_is_bag(place) or (place.is_file() and not place.stat().st_size)):
             return _open_bag(place, calibration, max_frames, options)
-        if found is None and place.suffix.lower() in _ARCHIVES:
-            return _opened(_unpacked(place), calibration, max_frames, options, nominal=nominal)
+        if found is None and place.suffix.lower() in ARCHIVES:
+            return _opened(unpacked(place), calibration, max_frames, options, nominal=nominal)
         if found is None and place.is_file():
             raise UserError(f"{place} is a file; give the folder of a recording ({_signs()}), or {BAGS}")
         if found is None:
@@ -231,44 +226,6 @@ def _opened(
         return whole.part(options.start, options.end, max_frames)  # type: ignore[no-any-return]
     except OSError as error:
         raise UserError(f"{error.filename or place} cannot be read ({error.strerror or error})") from error
-
-
-def _unpacked(archive: Path) -> Path:
-    """The folder, or the only file, that an archive holds; it lies unpacked until the process ends.
-
-    Raises:
-        UserError: it is no archive that can be read, holds what is refused, or more than the disk has room for.
-    """
-    status = archive.stat()
-    key = str(archive.resolve()), status.st_mtime_ns, status.st_size
-    if key not in _UNPACKED:
-        kept = tempfile.TemporaryDirectory(prefix="lpslam-")
-        at_end(kept.cleanup)
-        try:
-            room = int(shutil.disk_usage(kept.name).free * _SHARE_OF_DISK)
-            logger.warning("%s: the archive is unpacked into %s until the end", archive.name, kept.name)
-            # A recording goes by the name of its folder.
-            folder = Path(kept.name) / _bare_name(archive.name)
-            folder.mkdir()
-            unpack(archive, folder, JobsConfig(unpacked_bytes=max(room, 1)))
-        except UserError as error:
-            kept.cleanup()
-            raise UserError(f"{archive}: {error}") from error
-        _UNPACKED[key] = kept
-    inner = Path(_UNPACKED[key].name)
-    while inner.is_dir() and len(entries := list(inner.iterdir())) == 1:
-        inner = entries[0]
-    if inner.suffix.lower() in _ARCHIVES:
-        # One in another may hold itself.
-        raise UserError(f"{archive} holds another archive, {inner.name}; unpack it, and give what is in it")
-    return inner
-
-
-def _bare_name(name: str) -> str:
-    """The name of an archive without its endings."""
-    while (suffix := Path(name).suffix.lower()) in _ARCHIVES:
-        name = name[: -len(suffix)]
-    return name or "archive"
 
 
 def _scaled(source: RecordedSource, checks: CalibrationCheckConfig) -> RecordedSource:

@@ -11,7 +11,8 @@ from lpslam.errors import UserError
 from lpslam.regular_files import text_of
 from lpslam.sources.calibration import Calibration, read_calibration
 from lpslam.sources.captures.stated import calibration_among, with_stated_units
-from lpslam.sources.clocks import in_seconds, refuse_set_back
+from lpslam.sources.clocks import in_seconds
+from lpslam.sources.continuity import refuse_clock_set_back
 from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size, in_depth_pauses
 from lpslam.timestamps import associate, usual_tolerance
 
@@ -153,7 +154,7 @@ def _read_list(path: Path) -> tuple[list[tuple[float, Path]], str]:
         entries.append((timestamp, path.parent / words[1].strip()))
     if not entries:
         raise UserError(f"{path} lists no images; each line is a timestamp and a file name")
-    refuse_set_back(_times(entries), path)
+    refuse_clock_set_back(_times(entries), [image for _, image in entries], path)
     seconds, note = in_seconds(_times(entries))
     timed = [(float(second), image) for second, (_, image) in zip(seconds, entries, strict=True)]
     return sorted(timed, key=lambda entry: entry[0]), note

@@ -1,5 +1,6 @@
 """Terms of a lens, however they are stated, as k1, k2, p1, p2, k3."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -20,8 +21,27 @@ DISTORTION = (
     "d",
 )
 _KINDS = ("radial", "tangential")
-MODEL = ("distortion_model", "distortion_type", "camera_model", "model", "type")
+MODEL = (
+    "distortion_model",
+    "distortion_type",
+    "camera_model",
+    "camera_type",
+    "lens_model",
+    "lens_type",
+    "projection",
+    "projection_model",
+    "projection_type",
+    "model",
+    "type",
+)
 NOT_SUPPORTED = ("equi", "fisheye", "kannala", "omni", "fov", "eucm", "double_sphere", "ds-", "mei")
+_OF_DISTORTION = ("distortion_model", "distortion_type")
+_NO_PINHOLES = re.compile(
+    r"(?:ds|kb\d?|e?ucm|mei|scaramuzza|ocam\w*|omni\w*|fov|cylind\w*|spher\w*|panoram\w*|double_?sphere|kannala\w*|"
+    r"equirect\w*|equidist\w*|unified\w*|(?:\w+_)?fisheye\w*)(?:[-_ ].*)?"
+)
+_OF_OTHER_LENSES = ("xi", "alpha", "beta", "omega", "mirror_parameters", "poly_parameters", "inv_poly_parameters")
+"""Numbers that a projection has that is no pinhole's."""
 
 
 def distortion_of(
@@ -63,6 +83,31 @@ def distortion_of(
     if not np.isfinite(padded).all():
         raise UserError(f"calibration {path}: distortion must be finite numbers: k1, k2, p1, p2, k3")
     return padded[0], padded[1], padded[2], padded[3], padded[4]
+
+
+def refuse_other_projections(scopes: tuple[Tree, ...], path: Path) -> None:
+    """Raise a `UserError` where the mappings, nearest first, state a camera that is no pinhole, whatever its terms."""
+    for scope in scopes:
+        for key in MODEL:
+            model = str(scope.get(key, "")).lower().strip()
+            if key not in _OF_DISTORTION and _NO_PINHOLES.fullmatch(model):
+                raise UserError(
+                    f"calibration {path}: the camera model {model[:40]} is no pinhole and is not supported; "
+                    "rectify the images and depth to a pinhole"
+                )
+    own = next((name for name in _OF_OTHER_LENSES if scopes and _is_stated(scopes[0].get(name))), None)
+    if own is not None:
+        raise UserError(
+            f"calibration {path}: {own} is a number of a lens model that is no pinhole and is not supported; "
+            "rectify the images and depth to a pinhole"
+        )
+
+
+def _is_stated(value: object) -> bool:
+    """Whether it is a number or some, and not nought."""
+    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    numbers = [float(str(value))] if is_number else numbers_of(value)
+    return any(numbers or ())
 
 
 def _of_another_model(

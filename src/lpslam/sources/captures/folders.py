@@ -22,7 +22,7 @@ from lpslam.sources.captures.holders.videos import Video
 from lpslam.sources.captures.series import Pictures, Series
 from lpslam.sources.captures.stated import calibration_among
 from lpslam.sources.captures.tables import Listing, listing_of, times_in_names
-from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size, in_depth_pauses
+from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size, in_depth_pauses, sizes_of
 from lpslam.sources.inside import Inside, PictureFile
 from lpslam.timestamps import associate, usual_tolerance
 
@@ -60,6 +60,8 @@ def open_capture(
             f"{folder}: {depth.paths[0].name} and the like are called disparity; write depth instead: focal length in "
             "pixels times baseline in metres, divided by the disparity in pixels"
         )
+    for what, series in (("colour", colour), ("depth", depth)):
+        sizes_of(str(folder), what, series.paths)
     # Where how depth lies is still to be found, its size tells nothing.
     size, depth_size = first_image_size(colour.paths), None if nominal else first_image_size(depth.paths)
     listing = listing_of(pictures.texts, [colour.paths, depth.paths])

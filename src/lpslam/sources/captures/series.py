@@ -6,8 +6,8 @@ A series lies in files of its own, or inside one: a video, or a file of arrays.
 import glob
 import os
 import re
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
 from pathlib import Path
@@ -92,7 +92,7 @@ class Pictures:
         of_holders = [
             _of_stack(stack, is_depth) for path in self._array_files for stack, is_depth in self._arrays(path).stacks
         ]
-        return [each for each in (*of_files, *of_holders) if not self._says(each, OTHER_WORDS)]
+        return [each for each in (*_merged(of_files), *of_holders) if not self._says(each, OTHER_WORDS)]
 
     @cached_property
     def trees(self) -> dict[Path, Tree]:
@@ -201,6 +201,22 @@ def _of_one_kind(paths: Iterable[Path]) -> list[list[Path]]:
         is_alone = len(members) == 1 and any(letter.isdigit() for letter in folder.name)
         around = (folder.parent, _letters(folder.name), *key[2:]) if is_alone else key
         whole.setdefault(around, []).extend(members)
+    return list(whole.values())
+
+
+def _merged(series: Sequence[Series]) -> list[Series]:
+    """Series with those that differ in nothing but the format of their files, where no picture is there twice."""
+    whole: dict[tuple[object, ...], Series] = {}
+    for each in series:
+        first = each.paths[0]
+        key = first.parent, _letters(first.stem), each.is_depth, each.is_float
+        other = whole.get(key)
+        if other is not None and {path.stem for path in other.paths}.isdisjoint(path.stem for path in each.paths):
+            paths = [Path(str(path)) for path in (*other.paths, *each.paths)]
+            ordered: list[Path] = sorted(paths, key=_order)
+            whole[key] = replace(other, paths=tuple(ordered))
+        else:
+            whole[key if other is None else (*key, len(whole))] = each
     return list(whole.values())
 
 

@@ -15,6 +15,7 @@ from lpslam.errors import UserError
 from lpslam.regular_files import text_of
 from lpslam.sources.captures.common import number_of
 from lpslam.sources.clocks import in_seconds
+from lpslam.sources.continuity import refuse_clock_set_back
 from lpslam.sources.inside import PictureFile
 
 Times = NDArray[np.float64]
@@ -70,7 +71,7 @@ def listing_of(files: Sequence[Path], series: Sequence[tuple[PictureFile, ...]])
         for table in _tables(path):
             columns = _columns(table, path.parent, series)
             if columns:
-                _take(table, columns, found)
+                _take(table, columns, found, path)
             else:
                 unnamed.append(table)
     for pictures in series:
@@ -79,10 +80,12 @@ def listing_of(files: Sequence[Path], series: Sequence[tuple[PictureFile, ...]])
     return found
 
 
-def _take(table: Table, columns: dict[int, list[PictureFile | None]], found: Listing) -> None:
+def _take(table: Table, columns: dict[int, list[PictureFile | None]], found: Listing, path: Path) -> None:
     for index, pictures in columns.items():
-        stamps = _times(table, before=index, taken=set(columns))
+        stamps = _times(table, before=index, taken=set(columns), is_named=True)
         if stamps is not None:
+            named = [(time, picture) for time, picture in zip(stamps, pictures, strict=True) if picture is not None]
+            refuse_clock_set_back(np.array([time for time, _ in named]), [picture for _, picture in named], path)
             seconds, note = in_seconds(stamps)
             found.notes |= {note} - {""}
             found.times |= {picture: float(time) for picture, time in zip(pictures, seconds, strict=True) if picture}
@@ -150,13 +153,22 @@ def _named(cell: str, by_name: dict[str, PictureFile]) -> PictureFile | None:
     return next((by_name[name] for name in written if name in by_name), None)
 
 
-def _times(table: Table, before: int | None = None, taken: Collection[int] = ()) -> Times | None:
-    """The column of times (n,), raw: the one called so, else the last before a column; None without."""
+def _times(
+    table: Table, before: int | None = None, taken: Collection[int] = (), *, is_named: bool = False
+) -> Times | None:
+    """The column of times (n,), raw: the one called so, else the last before a column; None without.
+
+    Where each row names its picture, a column that is called so need not rise.
+    """
     together = _seconds_and_parts(table)
     if together is not None:
         return together
     columns = {index: _numeric(table.column(index)) for index in range(table.width) if index not in taken}
-    clocks = {index: values for index, values in columns.items() if values is not None and _rises(values)}
+    clocks = {
+        index: values
+        for index, values in columns.items()
+        if values is not None and (_rises(values) or (is_named and _falls(table, index, values)))
+    }
     # A counter of rows is no clock where there is another.
     clocks = {index: values for index, values in clocks.items() if not _counts(values)} or clocks
     named = [index for index in clocks if index < len(table.names) and _says_time(table.names[index])]
@@ -181,6 +193,12 @@ def _seconds_and_parts(table: Table) -> Times | None:
 def _rises(values: Times) -> bool:
     is_rising = np.isfinite(values).all() and (np.diff(values) >= 0).all()
     return bool(is_rising and len(np.unique(values)) > len(values) / 2)
+
+
+def _falls(table: Table, index: int, values: Times) -> bool:
+    """Whether a column is one of times that somebody put into another order, or whose clock was set back."""
+    is_called_so = index < len(table.names) and _says_time(table.names[index])
+    return bool(is_called_so and np.isfinite(values).all() and len(np.unique(values)) == len(values))
 
 
 def _says_time(name: str) -> bool:
@@ -215,7 +233,10 @@ def times_in_names(pictures: Sequence[PictureFile]) -> tuple[Times | None, str]:
     for index in range(len(split[0])):
         values = np.array([float(parts[index]) for parts in split])
         steps = np.diff(np.sort(values))
-        counts = values.min() < _LEAST_STAMP and (np.median(steps) < _LEAST_STEP or bool((steps == steps[0]).all()))
+        # Nobody counts in fractions.
+        is_whole = not all("." in parts[index] for parts in split)
+        is_even = np.median(steps) < _LEAST_STEP or bool((steps == steps[0]).all())
+        counts = is_whole and values.min() < _LEAST_STAMP and is_even
         if not counts and (steps > 0).all():
             return in_seconds(values)
     moments = [re.sub(r"^\D*", "", picture.stem) for picture in pictures]
