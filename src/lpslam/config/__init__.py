@@ -244,6 +244,31 @@ class ContinuityConfig(Section):
     most_unlike: float = Field(default=0.5, gt=0, le=1)
 
 
+class EncodingCheckConfig(Section):
+    """When raw numbers are no depth but its inverse, or carry flags: right recordings stay below half of it."""
+
+    # Frames, spread over the recording, that are looked at.
+    frames: int = Field(default=8, ge=1)
+    # Patches across a picture, each a plane or none.
+    patches: int = Field(default=8, ge=2)
+    # Median share of depth by which a plane's readings stray: sensors' noise.
+    planar: float = Field(default=0.01, gt=0)
+    # Share of depth that is added to both, so that rounding decides nothing.
+    noise: float = Field(default=1e-5, gt=0)
+    # Share of depth by which a plane must change within its patch: one that is seen frontally tells nothing.
+    least_slope: float = Field(default=0.15, gt=0)
+    # Times that one way must be nearer to a plane.
+    clear: float = Field(default=1.5, gt=1)
+    # Patches that must speak for inverse depth, and times those that speak for depth.
+    least_patches: int = Field(default=8, ge=1)
+    majority: float = Field(default=4.0, ge=1)
+    # Large differences between neighbours, and how near to a power of two they must be, as a share of it, ...
+    least_steps: int = Field(default=200, ge=1)
+    step_share: float = Field(default=0.02, gt=0, lt=0.5)
+    # ... and share of them that must be: by chance it is twice that, in recordings up to 0.07.
+    most_by_chance: float = Field(default=0.4, gt=0, lt=1)
+
+
 class CalibrationCheckConfig(Section):
     """When a calibration is doubted: beyond what is usual is said, beyond what is possible is refused."""
 
@@ -277,6 +302,8 @@ class CalibrationCheckConfig(Section):
     focal: FocalCheckConfig = FocalCheckConfig()
     # By contours of things.
     registration: RegistrationCheckConfig = RegistrationCheckConfig()
+    # By the planes and the steps in its depth.
+    encoding: EncodingCheckConfig = EncodingCheckConfig()
     # By what lies between its frames.
     continuity: ContinuityConfig = ContinuityConfig()
 

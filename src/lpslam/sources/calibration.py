@@ -65,6 +65,11 @@ class Calibration:
     depth_camera: PinholeCamera | None = None
     colour_from_depth: NDArray[np.float64] | None = None
 
+    def with_scale(self, depth_scale: float) -> "Calibration":
+        """The same with so many raw units in a metre, which are known."""
+        kept = tuple(note for note in self.notes if DEPTH_SCALE not in note)
+        return replace(self, camera=replace(self.camera, depth_scale=depth_scale), notes=kept, is_scale_assumed=False)
+
     def note_of(self, depth_size: tuple[int, int] | None) -> tuple[str, ...]:
         """What is assumed of depth images of a size."""
         is_stated = self.displacement is not None or self.depth_camera is not None or depth_size == self.depth_size

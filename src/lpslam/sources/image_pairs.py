@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
 from lpslam.frames import FrameFault, RgbdFrame
+from lpslam.sources.depths.encoding import DepthEncoding
 from lpslam.sources.images import BadImageError, image_size, read_colour, read_depth
 from lpslam.sources.inside import PictureFile
 from lpslam.sources.registering.displacement import Displacement
@@ -52,6 +53,7 @@ class ImagePairSource:
         is_along_rays: depth is the distance from the camera, and not along its axis.
         may_displace: depth may have another size than colour, since how it lies is still to be found.
         is_scale_assumed: nothing states the camera's depth scale.
+        encoding: how raw numbers of depth are taken, where they are no multiples of a length.
         max_frames: use only so many frames, from the first.
 
     Raises:
@@ -70,6 +72,7 @@ class ImagePairSource:
         is_along_rays: bool = False,
         may_displace: bool = False,
         is_scale_assumed: bool = False,
+        encoding: DepthEncoding | None = None,
         max_frames: int | None = None,
     ) -> None:
         if max_frames is not None and max_frames < 1:
@@ -86,6 +89,7 @@ class ImagePairSource:
         self._may_displace = may_displace
         self._along_axis = axis_by_ray(camera) if is_along_rays else None
         self.is_scale_assumed = is_scale_assumed
+        self.encoding = encoding
         self._registrations: dict[tuple[int, ...], DepthRegistration] = {}
         _refuse_other_size(name, camera, self._pairs, is_registered=displacement is None and not may_displace)
         for note in notes:
@@ -176,6 +180,7 @@ class ImagePairSource:
             is_along_rays=self._along_axis is not None,
             may_displace=self._may_displace,
             is_scale_assumed=self.is_scale_assumed,
+            encoding=self.encoding,
             max_frames=max_frames,
         )
 
@@ -185,7 +190,7 @@ class ImagePairSource:
         depths = []
         for row in np.unique(np.linspace(0, len(usable) - 1, count).astype(int)) if usable else ():
             try:
-                depths.append(read_depth(usable[row], self._camera.depth_scale))
+                depths.append(read_depth(usable[row], self._camera.depth_scale, self.encoding))
             except BadImageError:
                 continue
         return depths
@@ -212,7 +217,7 @@ class ImagePairSource:
         _refuse_size(pair.colour, rgb.shape[:2], wanted)
         if pair.depth is None:
             return RgbdFrame(index, pair.timestamp, rgb, np.zeros(wanted, np.float32))
-        depth = read_depth(pair.depth, self._camera.depth_scale)
+        depth = read_depth(pair.depth, self._camera.depth_scale, self.encoding)
         if self.displacement is not None:
             depth = self._registered(depth, self.displacement)
         elif not self._may_displace:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from lpslam.errors import LpSlamError, MissingExtraError
+from lpslam.sources.depths.encoding import DepthEncoding
 from lpslam.sources.inside import Inside, PictureFile
 
 _PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
@@ -59,17 +60,20 @@ def _as_colour(picture: NDArray[Any], name: str) -> NDArray[np.uint8]:
     return np.ascontiguousarray(picture[:, :, :3])
 
 
-def read_depth(path: PictureFile, depth_scale: float) -> NDArray[np.float32]:
+def read_depth(path: PictureFile, depth_scale: float, encoding: DepthEncoding | None = None) -> NDArray[np.float32]:
     """Read a depth image as (height, width) float32 metres; 0 where there is none, and where its type allows no more.
 
     Args:
         path: a 16-bit image in raw units, or a floating-point one in raw units.
         depth_scale: raw units in a metre.
+        encoding: how its numbers are taken, where they are no such units.
 
     Raises:
         BadImageError: missing, truncated, or no depth image.
     """
     raw = read_raw(path)
+    if encoding is not None:
+        raw = encoding.numbers(raw, is_blue_first=not isinstance(path, Inside))
     is_most = raw >= _most_of(raw.dtype)
     if raw.dtype in (np.float64, np.float16, np.int32, np.uint32, np.int16):
         raw = raw.astype(np.float32)
@@ -77,7 +81,10 @@ def read_depth(path: PictureFile, depth_scale: float) -> NDArray[np.float32]:
         channels = 1 if raw.ndim == 2 else raw.shape[2]
         raise BadImageError(f"{path.name} has {channels} channel(s) of {raw.dtype}; depth is one channel of 16 bits")
     depth: NDArray[np.float32] = raw.astype(np.float32)
-    depth *= np.float32(1.0 / depth_scale)
+    if encoding is not None and encoding.numerator is not None:
+        depth = encoding.metres(depth)
+    else:
+        depth *= np.float32(1.0 / depth_scale)
     if raw.dtype == np.float32:
         depth[~(np.isfinite(depth) & (depth > 0))] = 0.0
     depth[is_most] = 0.0

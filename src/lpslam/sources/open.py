@@ -14,6 +14,7 @@ from lpslam.regular_files import is_regular
 from lpslam.sources.bags.topics import TopicChoice
 from lpslam.sources.captures.layouts import CAPTURES
 from lpslam.sources.continuity import refuse_two_walks
+from lpslam.sources.depths.check import refuse_other_encodings
 from lpslam.sources.focal_check import doubts_about_focal
 from lpslam.sources.followed_pairs import pairs_of
 from lpslam.sources.image_pairs import ImagePairSource
@@ -30,6 +31,7 @@ from lpslam.sources.registering.by_contours import find_displacement, looks_disp
 from lpslam.sources.registering.displacement import DepthDisplacement
 from lpslam.sources.sevenscenes import looks_like_seven_scenes, open_seven_scenes
 from lpslam.sources.tum import looks_like_tum, open_tum
+from lpslam.sources.unknown import reason_for
 from lpslam.sources.unpacked import ARCHIVES, unpacked
 
 logger = logging.getLogger(__name__)
@@ -203,12 +205,20 @@ def _opened(
         found = next((layout for layout in FORMATS if layout.is_at(place)), None)
         if found in (None, _ANY_FOLDER) and place.is_dir() and not _is_bag(place):
             inner = _recordings_in(place)
+            bags = [] if inner or found is not None else _bags_in(place)
+            if len(bags) == 1:
+                logger.warning("%s: the recording in it, %s, is opened", place.name, bags[0].name)
+                beside = calibration or _calibration_beside(place, bags[0])
+                return _opened(bags[0], beside, max_frames, options, nominal=nominal)
             if len(inner) == 1:
                 logger.warning("%s: the recording in it, %s, is opened", place.name, inner[0].name)
                 beside = calibration or _calibration_beside(place, inner[0])
                 return _opened(inner[0], beside, max_frames, options, nominal=nominal)
             # A folder of recordings is none itself.
             found = None if inner else found
+        reason = "" if found is not None or _is_bag(place) else reason_for(place, _recordings_in(place))
+        if reason:
+            raise UserError(f"{place} is no recording that is read: {reason}")
         if found is None and (_is_bag(place) or (place.is_file() and not place.stat().st_size)):
             return _open_bag(place, calibration, max_frames, options)
         if found is None and place.suffix.lower() in ARCHIVES:
@@ -232,6 +242,7 @@ def _scaled(source: RecordedSource, checks: CalibrationCheckConfig) -> RecordedS
     """The recording with the depth scale that its depth tells, where nothing states another that is possible."""
     if not isinstance(source, ImagePairSource):
         return source
+    refuse_other_encodings(source, checks.encoding)
     if not source.is_scale_assumed:
         return _in_millimetres(source, checks)
     depths = source.sample_depths(checks.depth_frames)
@@ -326,12 +337,18 @@ def _recordings_in(folder: Path) -> list[Path]:
     return [child for child in children if any(layout.is_at(child) for layout in FORMATS[:-1]) or _is_bag(child)]
 
 
+def _bags_in(folder: Path) -> list[Path]:
+    """The ROS 1 bags that lie in a folder."""
+    return sorted(path for path in folder.glob("*.bag") if is_regular(path))[:100]
+
+
 def _calibration_beside(folder: Path, inner: Path) -> Path | None:
     """The only file beside a recording that states a camera; None where the recording has one of its own."""
     from lpslam.sources.captures.stated import files_that_state
 
-    texts = [path for path in sorted(folder.iterdir()) if path.is_file()]
+    texts = [path for path in sorted(folder.iterdir()) if path.is_file() and path != inner]
     stated = files_that_state(texts)
-    if len(stated) != 1 or files_that_state([path for path in sorted(inner.iterdir()) if path.is_file()]):
+    own = sorted(inner.iterdir()) if inner.is_dir() else []
+    if len(stated) != 1 or files_that_state([path for path in own if path.is_file()]):
         return None
     return stated[0]

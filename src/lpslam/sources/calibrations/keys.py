@@ -29,7 +29,7 @@ def number_of(value: object, name: str, path: Path) -> float:
 def numbers_of(value: object) -> list[float] | None:
     """The numbers of a flat or nested list, or of ROS's and OpenCV's {rows, cols, data}; None if there is no list."""
     if isinstance(value, dict):
-        value = value.get("data")
+        value = value.get("data", value.get("values"))
     if not isinstance(value, list):
         return None
     flat = [item for row in value for item in (row if isinstance(row, list) else [row])]

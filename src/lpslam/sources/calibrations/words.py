@@ -36,7 +36,7 @@ _ABOUT = {
     "calibrated": ("width", "height"), "dimensions": ("width", "height"),
     "fov": ("horizontal_fov", "vertical_fov"), "view": ("horizontal_fov", "vertical_fov"), "fps": ("fps",),
     "rate": ("fps",), "distortion": (), "coeffs": (), "coefficients": (), "dist": (), "radial": ("k1", "k2", "k3"),
-    "tangential": ("p1", "p2"), "matrix": (), "intrinsics": (), "intrinsic": (), "k": (),
+    "tangential": ("p1", "p2"), "matrix": (), "intrinsics": (), "intrinsic": (), "k": (), "cam0": (),
 }  # fmt: skip
 # Words that say that a number is of something else.
 _ELSEWHERE = frozenset(

@@ -22,6 +22,8 @@ from lpslam.sources.captures.holders.videos import Video
 from lpslam.sources.captures.series import Pictures, Series
 from lpslam.sources.captures.stated import calibration_among
 from lpslam.sources.captures.tables import Listing, listing_of, times_in_names
+from lpslam.sources.depths.encoding import DepthEncoding
+from lpslam.sources.depths.stated import stated_disparity, stated_encoding
 from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size, in_depth_pauses, sizes_of
 from lpslam.sources.inside import Inside, PictureFile
 from lpslam.timestamps import associate, usual_tolerance
@@ -55,19 +57,17 @@ def open_capture(
     if colour is None or depth is None:
         missing = "colour" if colour is None else "depth"
         raise UserError(f"{folder}: no two {missing} pictures of one kind lie there; depth has one channel of 16 bits")
-    if depth.is_disparity:
-        raise UserError(
-            f"{folder}: {depth.paths[0].name} and the like are called disparity; write depth instead: focal length in "
-            "pixels times baseline in metres, divided by the disparity in pixels"
-        )
     for what, series in (("colour", colour), ("depth", depth)):
         sizes_of(str(folder), what, series.paths)
     # Where how depth lies is still to be found, its size tells nothing.
     size, depth_size = first_image_size(colour.paths), None if nominal else first_image_size(depth.paths)
     listing = listing_of(pictures.texts, [colour.paths, depth.paths])
     calibration = _calibration(folder, camera_file, pictures, (size, depth_size), nominal)
+    encoding = _encoding(pictures, depth, calibration.camera.fx)
     pairs, notes, times = _paired(folder, colour, depth, listing, calibration.camera.fps, pairing or PairingConfig())
-    if depth.is_float:
+    if encoding is not None and (encoding.numerator is not None or encoding.scale is not None):
+        calibration = calibration.with_scale(encoding.scale or 1.0)
+    elif depth.is_float:
         # Fractions are metres; a scale that is stated is that of whole numbers.
         camera = replace(calibration.camera, depth_scale=1.0)
         kept = tuple(note for note in calibration.notes if "depth_scale" not in note)
@@ -82,8 +82,17 @@ def open_capture(
         is_along_rays=depth.is_along_rays,
         may_displace=nominal,
         is_scale_assumed=calibration.is_scale_assumed,
+        encoding=encoding,
         max_frames=max_frames,
     )
+
+
+def _encoding(pictures: Pictures, depth: Series, focal: float) -> DepthEncoding | None:
+    """How the numbers of depth are taken, as it is stated."""
+    name = "/".join(depth.paths[0].parts[-3:])
+    if depth.is_disparity:
+        return stated_disparity(pictures.texts, focal, name, is_float=depth.is_float)
+    return stated_encoding(pictures.texts, name)
 
 
 def _paired(

@@ -19,6 +19,7 @@ from lpslam.sources.captures.holders import arrays, bare, videos
 from lpslam.sources.captures.holders.arrays import Arrays, arrays_of
 from lpslam.sources.captures.holders.stacks import COLOUR_WORDS, DEPTH_WORDS, OTHER_WORDS
 from lpslam.sources.captures.holders.videos import DeepVideo, Video
+from lpslam.sources.depths.stated import stated_encoding
 from lpslam.sources.images import BadImageError, image_size, read_raw
 from lpslam.sources.inside import Holder, Inside, PictureFile
 from lpslam.sources.yaml_tree import Tree
@@ -118,7 +119,20 @@ class Pictures:
     @cached_property
     def depth(self) -> Series | None:
         """Of several the one registered to colour, and then the longest; raw files or a video where no pictures are."""
-        return self._best(True, _REGISTERED) or self._bare() or self._video(is_depth=True)
+        return self._best(True, _REGISTERED) or self._packed() or self._bare() or self._video(is_depth=True)
+
+    @property
+    def painted(self) -> Series | None:
+        """Pictures of eight bits a channel that are called depth: packed numbers, or a view in false colours."""
+        return next((each for each in self.series if not each.is_depth and self._says(each, DEPTH_WORDS)), None)
+
+    def _packed(self) -> Series | None:
+        """Pictures that are called depth where a text states how their channels make a number."""
+        painted = self.painted
+        if painted is None or painted == self.colour:
+            return None
+        encoding = stated_encoding(self.texts, str(painted.paths[0]))
+        return replace(painted, is_depth=True) if encoding is not None and encoding.weights else None
 
     def _bare(self) -> Series | None:
         """Files of sixteen bits a pixel without a header, as many of one length as fit colour's size."""

@@ -20,7 +20,7 @@ from lpslam.sources.bags.containers.unpacking import LARGEST
 MAGIC = b"SQLite format 3\0"
 _LEAPS = 40
 """How often rows that cannot be read are leapt over, each time twice as many: pages of a database are missing."""
-_MOST_TOPICS = 10_000
+_MOST_TOPICS, _SHOWN = 10_000, 6
 _LEAST_ROW = 4
 """Bytes that a row takes at least: its number, its lengths and its cell's place."""
 
@@ -118,7 +118,21 @@ class Ros2Database:
         try:
             return self._topic_rows()
         except sqlite3.Error as error:
+            tables = self._table_names()
+            if tables and not {"topics", "messages"} & set(tables):
+                raise UserError(
+                    f"{self.path} is a database of SQLite that no ROS 2 recorder wrote (tables: {', '.join(tables)}); "
+                    "write its pictures, depth and calibration into a folder, or into a ROS bag"
+                ) from error
             raise UserError(f"{self.path} is no ROS 2 recording that can be read ({error})") from error
+
+    def _table_names(self) -> list[str]:
+        try:
+            with closing(self._connection()) as connection:
+                found = connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'").fetchmany(_SHOWN)
+        except sqlite3.Error:
+            return []
+        return ["".join(letter for letter in str(name)[:40] if letter.isprintable()) for (name,) in found]
 
     def _walk(self) -> bool:
         """Collect number, topic and time of every row, without what it holds; whether all rows were reached.

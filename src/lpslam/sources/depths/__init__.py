@@ -1,0 +1,1 @@
+"""What raw numbers of depth pictures mean: as it is stated, and whether the pictures agree."""
