@@ -17,6 +17,9 @@ from lpslam.sources.images import BadImageError, read_colour
 from lpslam.sources.inside import PictureFile
 
 Picture = NDArray[np.uint8]
+_ALIKE = 0.5
+"""One less the correlation of pictures that follow one another, at most."""
+_SAME_RATIO = 1e-6
 _SMALL = (32, 24)
 """Pixels of the pictures that are compared: noise and small motion vanish."""
 
@@ -85,9 +88,10 @@ def _rises(numbers: Sequence[int | None]) -> bool:
 
 
 def _are_times(numbers: Sequence[int | None], times: Times) -> bool:
-    """Whether the numbers in names are the fractions or the whole of the times."""
+    """Whether the numbers in names are the times, in whatever unit."""
     known = np.array([float(number or 0) for number in numbers])
-    return bool(abs(np.corrcoef(known, times)[0, 1]) > 1 - 1e-9) if np.ptp(known) and np.ptp(times) else False
+    ratios = known / np.where(times == 0, np.nan, times)
+    return bool(np.nanmax(np.abs(ratios / ratios[-1] - 1)) < _SAME_RATIO) if ratios[-1] else False
 
 
 def _follows_as_listed(times: Times, pictures: Sequence[PictureFile], at: int) -> bool:
@@ -104,7 +108,7 @@ def _follows_as_listed(times: Times, pictures: Sequence[PictureFile], at: int) -
         for one, other in ((at - 1, following), (preceding, 0))
         if one is not None and other is not None and (change := _change(pictures, one, other)) is not None
     ]
-    return listed is not None and bool(sorted_) and 2 * listed < min(sorted_)
+    return listed is not None and bool(sorted_) and listed < min(_ALIKE, min(sorted_) / 2)
 
 
 def _change(pictures: Sequence[PictureFile], one: int, other: int) -> float | None:
