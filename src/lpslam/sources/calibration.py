@@ -38,6 +38,7 @@ _RESOLUTION = ("resolution", "render_product_resolution", "image_size", "size")
 _LARGEST_RATIO, _LARGEST_SHIFT = 10.0, 10_000.0  # of focal lengths, and pixels: beyond it, nothing is in view
 _FPS = ("fps", "frame_rate", "framerate", "rate")
 _RESIZINGS, _CENTRAL = (2, 3, 4, 1.5), 0.3  # of images; the principal point lies in the middle of the calibration's own
+_OFF_MIDDLE = 0.08  # share of a side by which a principal point lies beside the middle, if the size is another
 _SAME_VIEW = 0.01  # share of the width by which the numbers of two cameras of one view may differ
 _NEARLY = 0.85  # share of letters in common, of words that are one mistyped
 # Sections are tried in this order of what their names begin with; all others come between.
@@ -132,6 +133,9 @@ def calibration_of(
     refuse_other_projections((section, *around), path)
     stated = _size(scopes, path)
     fx, fy, cx, cy = intrinsics_of(section, stated or image_size, path, notes)
+    if _is_by_rows(stated, image_size, (cx, cy)):
+        notes.append(f"{path.name} states its size by rows and columns")
+        stated = image_size
     if any(scope.get(key) is True for scope in scopes for key in NOT_SUPPORTED):
         raise UserError(f"calibration {path}: a fisheye lens is not supported; rectify the images to a pinhole")
     notes += _misspelt(scopes, path)
@@ -208,6 +212,14 @@ def _scaling(stated: tuple[int, int], images: tuple[int, int] | None, middle: tu
     is_whole = any(abs(across * k - 1) < 1e-9 or abs(across / k - 1) < 1e-9 for k in _RESIZINGS)
     is_own = all(_CENTRAL < at / size < 1 - _CENTRAL for at, size in zip(middle, stated, strict=True))
     return across if across == down and is_whole and is_own else 1.0
+
+
+def _is_by_rows(stated: tuple[int, int] | None, images: tuple[int, int] | None, middle: tuple[float, float]) -> bool:
+    """Whether a size is rows and columns, as MATLAB has it: turned it is the images', and has the principal point."""
+    if stated is None or images is None or stated == images or stated[::-1] != images:
+        return False
+    off = [max(abs(at / side - 0.5) for at, side in zip(middle, size, strict=True)) for size in (images, stated)]
+    return off[0] < _OFF_MIDDLE < off[1]
 
 
 def _misspelt(scopes: tuple[Tree, ...], path: Path) -> list[str]:

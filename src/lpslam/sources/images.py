@@ -42,7 +42,8 @@ def read_colour(path: PictureFile) -> NDArray[np.uint8]:
     Raises:
         BadImageError: missing, truncated, or no image.
     """
-    return _as_colour(_decode(path, cv2.IMREAD_COLOR_RGB), path.name)
+    # As it is stored: depth, the calibration and the header know nothing of how a viewer turns it.
+    return _as_colour(_decode(path, cv2.IMREAD_COLOR_RGB | cv2.IMREAD_IGNORE_ORIENTATION), path.name)
 
 
 def _as_colour(picture: NDArray[Any], name: str) -> NDArray[np.uint8]:

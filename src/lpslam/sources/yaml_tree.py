@@ -46,14 +46,14 @@ def yaml_tree_of(text: str, path: Path, what: str) -> Tree:
         UserError: the text is no YAML mapping.
     """
     if (tree := _json_of(text)) is not None:
-        return _lower(tree)
+        return lower(tree)
     # OpenCV writes "%YAML:1.0", which is not YAML, and reads "key:1" without a space.
     text = re.sub(r"\A\s*%YAML.*\n(?:---.*\n)?", "", text)
     text = re.sub(r"(?m)^(\s*[A-Za-z_][\w.]*):(?=[-+.\d\[\"])", r"\1: ", text)
     try:
         tree = yaml_of(text, _LenientLoader)
         if isinstance(tree, dict):
-            return _lower(tree)
+            return lower(tree)
     except (ValueError, RecursionError) as error:
         raise UserError(f"{what} {path} is not YAML: {' '.join(str(error).split())[:200]}") from error
     raise UserError(f"{what} {path} holds no keys; write one `key: value` a line")
@@ -68,7 +68,8 @@ def _json_of(text: str) -> Tree | None:
     return tree if isinstance(tree, dict) else None
 
 
-def _lower(tree: dict[Any, Any]) -> Tree:
+def lower(tree: dict[Any, Any]) -> Tree:
+    """The tree with lower-case keys; dots in a key lead into mappings, and short lists of mappings are mappings."""
     lowered: Tree = {}
     for key, value in tree.items():
         *sections, name = CAMEL.sub("_", str(key)).lower().split(".")
@@ -78,7 +79,7 @@ def _lower(tree: dict[Any, Any]) -> Tree:
             if not isinstance(child, dict):
                 child = inner[section] = {}
             inner = child
-        inner[name] = _lower(value) if isinstance(value, dict) else _listed(value)
+        inner[name] = lower(value) if isinstance(value, dict) else _listed(value)
     return lowered
 
 
@@ -87,7 +88,7 @@ def _listed(value: Any) -> Any:
     if not isinstance(value, list) or not 0 < len(value) <= _MOST_LISTED:
         return value
     if all(isinstance(each, dict) for each in value):
-        return _lower({str(index): each for index, each in enumerate(value)})
+        return lower({str(index): each for index, each in enumerate(value)})
     if all(isinstance(each, list) and len(each) == 2 and isinstance(each[1], dict) for each in value):
-        return _lower({str(each[0]): each[1] for each in value})
+        return lower({str(each[0]): each[1] for each in value})
     return value

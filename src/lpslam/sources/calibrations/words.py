@@ -207,7 +207,8 @@ def _quantities(statement: _Statement) -> dict[str, float]:
             named.insert(0, _NAMES[words[last]])
     if named:
         return dict(zip(named, numbers, strict=True)) if len(named) == len(numbers) else {}
-    about = next((word for word in reversed(words) if word in _ABOUT), None)
+    kinds = [word for word in ("radial", "tangential") if word in words]
+    about = kinds[0] if len(kinds) == 1 else next((word for word in reversed(words) if word in _ABOUT), None)
     return {} if about is None else _of_kind(about, statement)
 
 

@@ -16,6 +16,7 @@ from lpslam.camera import PinholeCamera
 from lpslam.config import PairingConfig
 from lpslam.errors import UserError
 from lpslam.sources.calibration import Calibration, read_calibration
+from lpslam.sources.captures.chunks import times_in_chunks
 from lpslam.sources.captures.common import number_of
 from lpslam.sources.captures.holders.arrays import times_beside
 from lpslam.sources.captures.holders.videos import Video
@@ -147,6 +148,8 @@ def _stamps(series: Series, listing: Listing) -> tuple[_Times | None, str]:
     if series.holder is not None:
         return series.holder.times, ""
     inside = times_beside(series.paths)
+    if inside is None:
+        inside = times_in_chunks(series.paths)
     return (inside, "") if inside is not None else times_in_names(series.paths)
 
 

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from lpslam.errors import UserError
+from lpslam.sources.captures.chunks import tree_in
 from lpslam.sources.captures.holders import arrays, bare, videos
 from lpslam.sources.captures.holders.arrays import Arrays, arrays_of
 from lpslam.sources.captures.holders.stacks import COLOUR_WORDS, DEPTH_WORDS, OTHER_WORDS
@@ -97,8 +98,13 @@ class Pictures:
 
     @cached_property
     def trees(self) -> dict[Path, Tree]:
-        """What files of arrays say besides, by file."""
-        return {path: tree for path in self._array_files if (tree := self._arrays(path).tree)}
+        """What files of arrays, and the first pictures, say besides, by file."""
+        found = {path: tree for path in self._array_files if (tree := self._arrays(path).tree)}
+        firsts = [series.paths[0] for series in (self.depth, self.colour) if series is not None]
+        said: Tree = {}
+        for first in firsts:
+            said |= tree_in(first)
+        return found | {Path(str(firsts[-1])): said} if said else found
 
     @cached_property
     def notes(self) -> list[str]:
