@@ -189,7 +189,7 @@ def test_disparity_is_not_taken_for_depth(tmp_path: Path) -> None:
     pictures(tmp_path)
     (tmp_path / "depth").rename(tmp_path / "disparity")
     (tmp_path / "camera.yaml").write_text(LENS)
-    with pytest.raises(UserError, match="disparity; write depth"):
+    with pytest.raises(UserError, match="called disparity, and no single baseline is stated; write depth"):
         open_source(tmp_path)
 
 
@@ -197,7 +197,7 @@ def test_disparity_in_an_array_is_not_taken_for_depth_either(tmp_path: Path) -> 
     views = np.stack([colour(index) for index in range(COUNT)])
     disparity = np.stack([70 * 0.1 / metres(index) for index in range(COUNT)]).astype(np.float32)
     np.savez(tmp_path / "a.npz", left=views, disparity=disparity, K=np.array([[70, 0, 31], [0, 71, 24], [0, 0, 1.0]]))
-    with pytest.raises(UserError, match="disparity; write depth"):
+    with pytest.raises(UserError, match="called disparity, and no single baseline is stated; write depth"):
         open_source(tmp_path / "a.npz")
 
 
