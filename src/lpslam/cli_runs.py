@@ -173,7 +173,7 @@ def localise_recording(
         if not len(found.poses) and not interrupted.is_set():
             raise UserError(
                 f"{frames.name}: none of {found.frames} frames is found in {map_file}; nothing is written: is it the"
-                " same place, seen by the same camera?"
+                " same place?"
             )
         found.poses.to_tum_file(trajectory, [f"camera optical frame in the frame of {map_file.name}"])
     for note in fault_notes(frames.faults) + event_notes(found.events):
