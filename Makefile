@@ -9,6 +9,8 @@ export PYTHONDONTWRITEBYTECODE :=
 export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 PIP_INSTALL := python -m pip install --quiet --no-compile
+# uv chooses versions and unpacks in ten seconds, pip in sixty; where uv cannot be had or fails, pip does it.
+UV_INSTALL := uv pip install --quiet --python $(BIN)/python
 
 .PHONY: demo test check lint types install versions clean
 
@@ -40,17 +42,17 @@ versions: $(VENV)/.dev-ready
 
 install: $(VENV)/.dev-ready
 
-# An older pip takes three times as long to choose versions; without a newer one it installs all the same.
+# An older pip takes three times as long to choose versions; without either of the two it installs all the same.
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
-	-$(BIN)/$(PIP_INSTALL) --upgrade pip
+	-$(BIN)/$(PIP_INSTALL) --only-binary :all: --upgrade pip uv
 
 $(VENV)/.demo-ready: $(BIN)/python pyproject.toml
-	$(BIN)/$(PIP_INSTALL) --editable .
+	$(BIN)/$(UV_INSTALL) --editable . || $(BIN)/$(PIP_INSTALL) --editable .
 	@touch $@
 
 $(VENV)/.dev-ready: $(BIN)/python pyproject.toml
-	$(BIN)/$(PIP_INSTALL) --editable '.[dev,llm]'
+	$(BIN)/$(UV_INSTALL) --editable '.[dev,llm]' || $(BIN)/$(PIP_INSTALL) --editable '.[dev,llm]'
 	@touch $@
 
 clean:

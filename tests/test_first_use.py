@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -45,14 +46,18 @@ def test_a_run_survives_a_full_disk(world: LanguageMap, tmp_path: Path, monkeypa
         save(self, path)
 
     monkeypatch.setattr(LanguageMap, "save", saved)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     with pytest.raises(UserError, match="nothing is lost: the map is in ") as told:
         cli_runs.keep(world, full)
     assert len(LanguageMap.load(str(told.value).split("the map is in ")[1]).trajectory) == len(world.trajectory)
 
 
 def test_distilling_says_what_it_found_though_the_disk_is_full(
-    lpslam: Command, walked: Path, monkeypatch: pytest.MonkeyPatch
+    lpslam: Command, walked: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """Nor can it be kept elsewhere: no empty folder is left where that was tried."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+
     def refused(self: LanguageMap, path: Path) -> None:
         raise UserError("no space left")
 
@@ -61,6 +66,7 @@ def test_distilling_says_what_it_found_though_the_disk_is_full(
     assert done.code == 2
     assert "no space left" in done.err
     assert done.json["landmarks"]
+    assert not list(tmp_path.glob("lpslam-*"))
 
 
 def test_an_export_is_whole_or_leaves_what_was_there(

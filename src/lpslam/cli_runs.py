@@ -1,5 +1,6 @@
 """What commands of the command line do after their options have been checked."""
 
+import shutil
 import sys
 import tempfile
 from collections.abc import Callable
@@ -111,6 +112,7 @@ def keep(world: Any, output: Path, is_held: bool = False, landmarks: Any = None)
         try:
             world.save(rescue)
         except UserError:
+            shutil.rmtree(rescue.parent, ignore_errors=True)
             raise error from None
         raise UserError(f"{error}; nothing is lost: the map is in {rescue}") from error
     remember(world, identity, landmarks)

@@ -55,6 +55,9 @@ class LocatingConfig(Section):
     looked_around: int = Field(default=2, ge=0)  # pixels around its place, on its level, in which a point may stand
     looked_beside: int = Field(default=24, ge=1)  # pixels, the same, to the places with which its own is compared
     min_there_share: float = Field(default=0.5, ge=0, le=1)  # of them, at least, that stand there: most, ...
+    looked_for: int = Field(default=400, ge=1)  # points, where it is asked whether something of a place is not there
+    looked_together: int = Field(default=20, ge=4)  # of them that stand together: a sign beside a door
+    lacking_sigmas: float = Field(default=6.0, gt=0)  # of shares as they are in a picture, below which they are missing
     there_lead: float = Field(default=0.1, ge=0, le=1)  # ... unless of another place so much more does
     spread_cells: int = Field(default=4, ge=1)  # rows and columns of the image by which spread is judged ...
     min_spread: int = Field(default=6, ge=1)  # ... and how many of the cells must hold an inlier

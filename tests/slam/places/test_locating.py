@@ -118,6 +118,25 @@ def test_a_picture_shows_what_its_place_has_in_view_and_not_what_another_has(wal
         assert looking.share(elsewhere, located) < 0.3, f"frame {index}"
 
 
+def test_a_picture_that_lacks_a_sign_contradicts_a_place_that_it_shows_otherwise(walked_here: Walked) -> None:
+    """What stands together is painted over, as if it had never hung there: all else is as it was."""
+    looking, lacking = Looking(walked_here.slam.map, walked_here.extractor, CONFIG.locating), 0
+    for index in range(4, FRAMES, 25):
+        frame = walked_here.again(index)
+        located, gray = walked_here.find(frame), gray_of(frame.rgb)
+        assert located is not None
+        assert not looking.contradicts(gray, located), f"frame {index}"
+        pixels = located.expected.pixels
+        near = np.argsort(np.linalg.norm(pixels - pixels[len(pixels) // 2], axis=1))[:40]
+        (left, top), (right, bottom) = pixels[near].min(axis=0).astype(int), pixels[near].max(axis=0).astype(int)
+        without = gray.copy()
+        without[max(top - 8, 0) : bottom + 8, max(left - 8, 0) : right + 8] = int(np.median(gray))
+        lacking += looking.contradicts(without, located)
+        few = replace(located, expected=Expected(*(column[:30] for column in located.expected)))
+        assert not looking.contradicts(without, few), "of a few points nothing is usual"
+    assert lacking >= len(range(4, FRAMES, 25)) - 1
+
+
 def test_a_picture_that_cannot_be_asked_says_nothing_against_a_place(walked_here: Walked) -> None:
     looking, frame = Looking(walked_here.slam.map, walked_here.extractor, CONFIG.locating), walked_here.again(4)
     located = walked_here.find(frame)

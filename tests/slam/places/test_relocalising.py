@@ -1,6 +1,7 @@
 """Which of the places that could be a lost view's is believed."""
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
@@ -29,6 +30,17 @@ class Places:
 
     def query(self, descriptors: np.ndarray) -> np.ndarray:
         return self.scores
+
+
+@dataclass
+class Picture:
+    """What a picture shows of each place, and the keyframes of whose places it shows that something is not there."""
+
+    share: Callable[[Located], float] = lambda _: 0.8
+    lacking: tuple[int, ...] = ()
+
+    def contradicts(self, located: Located) -> bool:
+        return located.keyframe in self.lacking
 
 
 class Holding:
@@ -373,8 +385,8 @@ def test_a_view_is_compared_once() -> None:
 
 def test_a_place_that_the_picture_does_not_show_is_not_believed() -> None:
     searching = relocaliser(places_apart(5), [0.9, 0.0, 0.0, 0.0, 0.0], Holding({0: (0.0, 200)}))
-    assert searching.find(VIEW, -1, there=lambda located: 0.8) is not None
-    assert searching.find(VIEW, -1, there=lambda located: 0.3) is None
+    assert searching.find(VIEW, -1, look=Picture(lambda _: 0.8)) is not None
+    assert searching.find(VIEW, -1, look=Picture(lambda _: 0.3)) is None
 
 
 def test_a_place_that_it_shows_is_found_where_a_better_one_is_not_there() -> None:
@@ -386,7 +398,7 @@ def test_a_place_that_it_shows_is_found_where_a_better_one_is_not_there() -> Non
         asked.append(located.keyframe)
         return 0.8 if located.keyframe == 2 else 0.3
 
-    found = searching.find(VIEW, -1, there=there)
+    found = searching.find(VIEW, -1, look=Picture(there))
     assert found is not None
     assert found.keyframe == 2
     assert asked == [0, 2], "what is found around a place that is not there is not asked again"
@@ -400,19 +412,40 @@ def test_what_looks_otherwise_speaks_against_a_place_where_much_more_of_it_is_th
     holding = Holding({0: (0.0, 200), 2: (5.0, 60)})
     searching = relocaliser(places_apart(5), [0.9, 0.0, 0.7, 0.0, 0.0], holding)
     holding.unlike.add(2)
-    found = searching.find(VIEW, -1, there=lambda located: there if located.keyframe == 2 else 0.7)
+    found = searching.find(VIEW, -1, look=Picture(lambda located: there if located.keyframe == 2 else 0.7))
     assert (found is not None) == is_believed
 
 
 def test_what_looks_otherwise_is_no_place_by_itself() -> None:
     holding = Holding({2: (5.0, 60)})
     holding.unlike.add(2)
-    assert relocaliser(places_apart(5), [0.0, 0.0, 0.7, 0.0, 0.0], holding).find(VIEW, -1, there=lambda _: 1.0) is None
+    assert (
+        relocaliser(places_apart(5), [0.0, 0.0, 0.7, 0.0, 0.0], holding).find(VIEW, -1, look=Picture(lambda _: 1.0))
+        is None
+    )
 
 
 def test_a_place_that_looks_alike_by_one_of_its_keyframes_is_believed() -> None:
     holding = Holding({0: (0.0, 200), 1: (0.1, 150)})
     holding.unlike.add(0)
-    found = relocaliser(places_apart(5), [0.9, 0.8, 0.0, 0.0, 0.0], holding).find(VIEW, -1, there=lambda _: 0.7)
+    found = relocaliser(places_apart(5), [0.9, 0.8, 0.0, 0.0, 0.0], holding).find(VIEW, -1, look=Picture(lambda _: 0.7))
     assert found is not None
     assert found.keyframe == 1
+
+
+@pytest.mark.parametrize(("seconds", "is_found"), [(0.1, True), (5.0, False)])
+def test_a_place_that_lacks_something_is_believed_only_where_the_camera_just_was(
+    seconds: float, is_found: bool
+) -> None:
+    """Someone takes a board from the wall before the camera; or it looks at another wall, alike but for the board."""
+    searching = relocaliser(places_apart(5), [0.9, 0.0, 0.0, 0.0, 0.0], Holding({0: (0.0, 200)}))
+    seen = LastSeen(0, np.eye(4), 10.0)
+    assert searching.confirm(VIEW, -1, seen, 10.0 + seconds, Picture()) is not None
+    found = searching.confirm(VIEW, -1, seen, 10.0 + seconds, Picture(lacking=(0,)))
+    assert (found is not None) == is_found
+
+
+def test_what_a_sign_tells_may_lack_something() -> None:
+    advisor = Recalling(Recalled(0, np.eye(4)))
+    searching = relocaliser(places_apart(5), [0.0] * 5, Holding({0: (0.0, 200)}), advisor)
+    assert searching.confirm(VIEW, -1, None, 10.0, Picture(lacking=(0,))) is not None

@@ -24,6 +24,18 @@ class Fit(Protocol):
         ...
 
 
+class Look(Protocol):
+    """What a picture shows of a place."""
+
+    def share(self, located: "Located") -> float:
+        """Share of what should be seen that stands where the place has it, at least."""
+        ...
+
+    def contradicts(self, located: "Located") -> bool:
+        """Whether something of the place, which should be seen as well as all around it, is not there."""
+        ...
+
+
 class Expected(NamedTuple):
     """Map points that should be seen from a place, where nothing hides them.
 

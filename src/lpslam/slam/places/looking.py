@@ -1,5 +1,7 @@
 """Whether a picture shows what a place has in view, whether or not corners are found there."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,14 +29,51 @@ class Looking:
         beside = config.looked_beside
         self._steps = np.array([(0, 0), (beside, 0), (-beside, 0), (0, beside), (0, -beside)], np.int32)
 
+    def at(self, gray: NDArray[np.uint8]) -> "Shown":
+        """A picture (h, w) to be asked; the caller holds the lock while it is."""
+        return Shown(self, gray)
+
     def share(self, gray: NDArray[np.uint8], located: Located) -> float:
         """Share of what should be seen that a picture (h, w) shows at its place, at least; the caller holds the lock.
 
         Less what should be seen in parts of the picture where no corner of it was found: a pattern is all over a wall,
         and what stands before the wall tells the place. Where too little can be asked, the least that is believed.
         """
+        config = self._config
+        _, is_there = self._asked(gray, located, config.looked_at)
+        if len(is_there) < config.min_matches:
+            return config.min_there_share
+        return at_least(int(is_there.sum()), len(is_there)) - max(located.missing_share, 0.0)
+
+    def contradicts(self, gray: NDArray[np.uint8], located: Located) -> bool:
+        """Whether a picture (h, w) shows nearly nothing of points that stand together, and most of all the others.
+
+        At one end of a corridor a sign hangs beside the door, at the other end none: all else is alike. Chance leaves
+        out a few points here and there; how unlike parts of a place are found at the right pose is taken from the
+        other parts. The caller holds the lock.
+        """
+        from scipy.spatial import cKDTree
+
+        config = self._config
+        pixels, is_there = self._asked(gray, located, config.looked_for)
+        if len(is_there) < _GROUPS * config.looked_together:
+            return False
+        _, together = cKDTree(pixels).query(pixels, config.looked_together)
+        shares = is_there[together].mean(axis=1)
+        usual = float(np.median(shares))
+        chance = float(np.sqrt(usual * (1 - usual) / config.looked_together))
+        spread = max(chance, _SIGMAS_OF_MAD * float(np.median(np.abs(shares - usual))))
+        # Of what is not there, the likest of five places is its own by chance.
+        by_chance = 1 / len(self._steps)
+        nothing = by_chance + _SURE * float(np.sqrt(by_chance * (1 - by_chance) / config.looked_together))
+        return float(shares.min()) <= min(nothing, usual - config.lacking_sigmas * spread)
+
+    def _asked(
+        self, gray: NDArray[np.uint8], located: Located, most: int
+    ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+        """Of at most so many points that should be seen: pixels (n, 2), and whether the picture shows them there."""
         config, expected = self._config, located.expected
-        some = spread_over(np.arange(len(expected.points)), config.looked_at)
+        some = spread_over(np.arange(len(expected.points)), most)
         bits = self._extractor.unlikeness(
             gray,
             expected.pixels[some],
@@ -44,11 +83,33 @@ class Looking:
             config.looked_around,
         )
         is_asked = (bits[:, 0] < NOWHERE) & ((bits[:, 1:] < NOWHERE).sum(axis=1) >= _LEAST_BESIDE)
-        if np.count_nonzero(is_asked) < config.min_matches:
-            return config.min_there_share
-        is_there = bits[is_asked, 0] < bits[is_asked, 1:].min(axis=1)
-        return at_least(int(is_there.sum()), len(is_there)) - max(located.missing_share, 0.0)
+        return expected.pixels[some[is_asked]], bits[is_asked, 0] < bits[is_asked, 1:].min(axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """`Look` at one picture (h, w)."""
+
+    looking: Looking
+    gray: NDArray[np.uint8]
+
+    def share(self, located: Located) -> float:
+        """As `Looking.share`."""
+        return self.looking.share(self.gray, located)
+
+    def contradicts(self, located: Located) -> bool:
+        """As `Looking.contradicts`."""
+        return self.looking.contradicts(self.gray, located)
 
 
 _LEAST_BESIDE = 2
 """Places beside its own with which a point is compared; near a corner of the picture there are no more."""
+
+_GROUPS = 4
+"""Of points that stand together that there must be, to say what is usual."""
+
+_SURE = 1.64
+"""Sigmas of a share that stands for nothing: one in twenty of such groups shows more."""
+
+_SIGMAS_OF_MAD = 1.4826
+"""Sigmas of a normal spread in one median deviation."""

@@ -12,7 +12,7 @@ from lpslam.slam.advice import NO_ADVICE, LoopAdvisor, Recalled
 from lpslam.slam.features import Features
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places.index import PlaceIndex, group_candidates
-from lpslam.slam.places.located import Fit, Located
+from lpslam.slam.places.located import Fit, Located, Look
 from lpslam.slam.places.locating import Locator
 
 
@@ -70,7 +70,7 @@ class Relocaliser:
         last_reference: int,
         last_seen: LastSeen | None,
         timestamp: float,
-        there: Callable[[Located], float] | None = None,
+        look: Look | None = None,
         fit: Fit | None = None,
     ) -> Located | None:
         """The place of a view: one that little tells only if the camera can have come there since it was last seen.
@@ -83,7 +83,7 @@ class Relocaliser:
             last_reference: the keyframe by which the camera was last seen, tried first.
             last_seen: where it was then, if that is known.
             timestamp: of the view, in seconds.
-            there: the share of what a place has in view that the picture shows; without, only corners tell.
+            look: what the picture shows of a place; without, only corners tell.
             fit: as `Locator.locate` takes it.
         """
         config = self._config
@@ -94,7 +94,11 @@ class Relocaliser:
         def may_be_at(other: Located) -> bool:
             return not is_recent or self._is_within_reach(other, last_seen, timestamp)
 
-        located = self.find(features, last_reference, likely, may_be_at, there, fit)
+        located = self.find(features, last_reference, likely, may_be_at, look, fit)
+        if located is not None and not located.is_told and look is not None:
+            came = is_recent and self._is_within_reach(located, last_seen, timestamp)
+            # Something was moved where the camera was a moment ago; elsewhere it is another place that looks alike.
+            located = None if not came and look.contradicts(located) else located
         is_sure = located is not None and (
             located.inliers >= config.sure_inliers and located.alike_agreement >= config.sure_alike_agreement
         )
@@ -122,7 +126,7 @@ class Relocaliser:
         last_reference: int,
         likely: Sequence[Recalled] = (),
         may_be_at: Callable[[Located], bool] = lambda located: True,
-        there: Callable[[Located], float] | None = None,
+        look: Look | None = None,
         fit: Fit | None = None,
     ) -> Located | None:
         """The place of a view, or None; the caller holds the map's lock.
@@ -132,16 +136,16 @@ class Relocaliser:
             last_reference: the keyframe by which the camera was last seen, tried first.
             likely: keyframes tried next.
             may_be_at: where the camera cannot be is no rival of where it can.
-            there, fit: as `confirm` takes them.
+            look, fit: as `confirm` takes them.
         """
         found = [
             located
             for candidate in self._likely(features, last_reference, likely)
-            if (located := self._locate(features, candidate, there is not None, fit)) is not None
+            if (located := self._locate(features, candidate, look is not None, fit)) is not None
             and not self._is_disowned(located)
         ]
-        if there is not None:
-            found = self._shown(found, there)
+        if look is not None:
+            found = self._shown(found, look)
         if not found:
             return None
         best = max(found, key=lambda located: located.inliers)
@@ -165,7 +169,7 @@ class Relocaliser:
             return False
         return self._locator.is_unique(features, best)
 
-    def _shown(self, found: Sequence[Located], there: Callable[[Located], float]) -> list[Located]:
+    def _shown(self, found: Sequence[Located], look: Look) -> list[Located]:
         """Places of which the picture shows most, and of no other place much more.
 
         Of a place seen from another side hardly anything looks as it did. So it cannot be believed, but speaks against
@@ -174,7 +178,7 @@ class Relocaliser:
         config, shown = self._config, list[tuple[float, Located]]()
         for located in sorted(found, key=lambda each: (self._looks_alike(each), each.inliers), reverse=True):
             if located.is_told or not any(self._is_beside(other, located) for _, other in shown):
-                shown.append((1.0 if located.is_told else there(located), located))
+                shown.append((1.0 if located.is_told else look.share(located), located))
         most = max((share for share, located in shown if not located.is_told), default=0.0)
         least = max(config.min_there_share, most - config.there_lead)
         return [

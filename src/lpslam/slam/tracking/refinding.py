@@ -1,7 +1,7 @@
 """Where a lost camera is: what its picture shows, its depth and the signs in view are asked for it."""
 
 from collections.abc import Iterator
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,7 +59,7 @@ class Refinding:
             where.reference,
             where.seen(),
             picture.timestamp,
-            partial(self._looking.share, picture.gray),
+            self._looking.at(picture.gray),
             self._depth_of(picture.frame).fit,
         )
 
