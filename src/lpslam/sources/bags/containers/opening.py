@@ -8,6 +8,7 @@ from pathlib import Path
 from lpslam.errors import UserError
 from lpslam.sources.bags.containers import mcap_file, ros1, sqlite
 from lpslam.sources.bags.containers.container import Container, Message, Topic
+from lpslam.sources.bags.containers.whole import ENDINGS, is_compressed, unpacked_whole
 
 SUFFIXES = (".bag", ".db3", ".mcap")
 
@@ -16,7 +17,7 @@ def looks_like_bag(path: Path) -> bool:
     """Whether the path is a file of messages, or a folder with some, as ROS 2 writes it."""
     if path.is_dir():
         return bool(_parts(path))
-    return path.suffix.lower() in SUFFIXES or _format(path) is not None
+    return _bare(path.name).endswith(SUFFIXES) or _format(path) is not None
 
 
 def open_container(path: Path) -> Container:
@@ -56,8 +57,18 @@ class Split:
 
 
 def _parts(folder: Path) -> list[Path]:
-    found = [path for suffix in SUFFIXES[1:] for path in folder.glob(f"*{suffix}") if path.is_file()]
+    found = [path for path in folder.glob("*") if _bare(path.name).endswith(SUFFIXES[1:]) and path.is_file()]
+    # What was unpacked already may lie beside what it came from.
+    plain = {path.name.lower() for path in found}
+    found = [path for path in found if _bare(path.name) == path.name.lower() or _bare(path.name) not in plain]
     return sorted(found, key=lambda path: [int(word) if word.isdigit() else word for word in _words(path.name)])
+
+
+def _bare(name: str) -> str:
+    """A name in small letters, without the ending of what compressed the file as a whole."""
+    name = name.lower()
+    ending = next((ending for ending in ENDINGS if name.endswith(ending)), "")
+    return name.removesuffix(ending)
 
 
 def _words(name: str) -> list[str]:
@@ -85,6 +96,12 @@ def _opened(path: Path) -> Container:
     kind = _format(path)
     if kind is not None:
         return kind(path)
-    if begin.startswith((b"\x28\xb5\x2f\xfd", b"\x1f\x8b", b"BZh", b"PK")):
-        raise UserError(f"{path} is compressed as a whole; unpack it first (zstd -d, gunzip, bunzip2, unzip)")
+    if is_compressed(begin):
+        inner = unpacked_whole(path, begin)
+        kind = _format(inner)
+        if kind is None:
+            raise UserError(f"{path} holds neither a ROS bag, nor a ROS 2 database, nor MCAP")
+        return kind(inner)
+    if begin.startswith(b"PK"):
+        raise UserError(f"{path} is compressed as a whole; unpack it first (unzip)")
     raise UserError(f"{path} is no recording that is known: neither a ROS bag, nor a ROS 2 database, nor MCAP")
