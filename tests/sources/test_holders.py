@@ -72,6 +72,24 @@ def in_hdf5_by_frames(folder: Path, colour: NDArray[np.uint8], depth: NDArray[np
     return folder / "a.hdf5"
 
 
+def in_a_file_for_each_frame(folder: Path, colour: NDArray[np.uint8], depth: NDArray[np.uint16]) -> Path:
+    for index in range(COUNT):
+        with h5py.File(folder / f"{index + 8}.hdf5", "w") as file:
+            file["colors"], file["depth"] = colour[index], depth[index]
+            file["segmentation"] = np.zeros((HEIGHT, WIDTH), np.uint8)
+    (folder / "camera.yaml").write_text(yaml.safe_dump(LENS))
+    (folder / "times.txt").write_text("\n".join(f"{time:.6f}" for time in TIMES))
+    return folder
+
+
+def in_an_archive_for_each_frame(folder: Path, colour: NDArray[np.uint8], depth: NDArray[np.uint16]) -> Path:
+    for index in range(COUNT):
+        np.savez(folder / f"frame{index + 8}.npz", image=colour[index], depth=depth[index])
+    (folder / "camera.yaml").write_text(yaml.safe_dump(LENS))
+    (folder / "times.txt").write_text("\n".join(f"{time:.6f}" for time in TIMES))
+    return folder
+
+
 def in_hdf5_encoded(folder: Path, colour: NDArray[np.uint8], depth: NDArray[np.uint16]) -> Path:
     with h5py.File(folder / "a.h5", "w") as file:
         for name, pictures in (("rgb", colour[..., ::-1]), ("depth", depth)):
@@ -148,7 +166,7 @@ def in_exr(folder: Path, colour: NDArray[np.uint8], depth: NDArray[np.uint16]) -
 
 FORMS: tuple[Write, ...] = (
     *(in_npz, in_npy, in_hdf5, in_hdf5_by_frames, in_hdf5_encoded, in_matlab, in_new_matlab),
-    *(in_videos, video_and_pictures, npz_by_frames, in_exr),
+    *(in_videos, video_and_pictures, npz_by_frames, in_exr, in_a_file_for_each_frame, in_an_archive_for_each_frame),
 )
 
 
@@ -233,14 +251,14 @@ def eight_bits_of_depth(folder: Path) -> Path:
 @pytest.mark.parametrize(
     ("write", "words"),
     [
-        (pickled, "is a file"),
+        (pickled, "objects of Python"),
         (pickled_picture, "is no recording"),
         (linked_elsewhere, "is a file"),
         (boundless, "unpacks to more"),
         (cut_off, "no arrays that can be read"),
         (no_arrays, "no arrays that can be read"),
         (a_playlist, "is no video"),
-        (eight_bits_of_depth, "is no recording"),
+        (eight_bits_of_depth, "is called depth, and its pictures are"),
     ],
     ids=lambda each: each.__name__ if callable(each) else "",
 )

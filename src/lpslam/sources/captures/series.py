@@ -16,8 +16,8 @@ import numpy as np
 
 from lpslam.errors import UserError
 from lpslam.sources.captures.chunks import tree_in
-from lpslam.sources.captures.holders import arrays, bare, videos
-from lpslam.sources.captures.holders.arrays import Arrays, arrays_of
+from lpslam.sources.captures.holders import bare, videos
+from lpslam.sources.captures.holders.arrays import SUFFIXES, Arrays, arrays_of, arrays_of_many
 from lpslam.sources.captures.holders.stacks import COLOUR_WORDS, DEPTH_WORDS, OTHER_WORDS
 from lpslam.sources.captures.holders.videos import DeepVideo, Video
 from lpslam.sources.depths.stated import stated_encoding
@@ -27,7 +27,7 @@ from lpslam.sources.yaml_tree import Tree
 
 _IMAGES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".pfm", ".exr")
 _PICTURES = frozenset((*_IMAGES, ".npy", ".npz"))
-_HOLDERS = videos.SUFFIXES | arrays.SUFFIXES | bare.SUFFIXES
+_HOLDERS = videos.SUFFIXES | SUFFIXES | bare.SUFFIXES
 _DEPTH = (*DEPTH_WORDS, "disp")
 _ALONG_RAYS = ("distance_to_camera", "euclidean", "ray_depth", "radial")
 _REGISTERED = ("align", "regist", "_to_")
@@ -91,15 +91,13 @@ class Pictures:
             for paths in _of_one_kind(path for path in self.files if path.suffix.lower() in _PICTURES)
             if len(paths) > 1
         ]
-        of_holders = [
-            _of_stack(stack, is_depth) for path in self._array_files for stack, is_depth in self._arrays(path).stacks
-        ]
+        of_holders = [_of_stack(stack, is_depth) for found in self._arrays.values() for stack, is_depth in found.stacks]
         return [each for each in (*_merged(of_files), *of_holders) if not self._says(each, OTHER_WORDS)]
 
     @cached_property
     def trees(self) -> dict[Path, Tree]:
         """What files of arrays, and the first pictures, say besides, by file."""
-        found = {path: tree for path in self._array_files if (tree := self._arrays(path).tree)}
+        found = {path: arrays.tree for path, arrays in self._arrays.items() if arrays.tree}
         firsts = [series.paths[0] for series in (self.depth, self.colour) if series is not None]
         said: Tree = {}
         for first in firsts:
@@ -109,7 +107,7 @@ class Pictures:
     @cached_property
     def notes(self) -> list[str]:
         """What was made of the times in files of arrays."""
-        return sorted({note for path in self._array_files for note in self._arrays(path).notes})
+        return sorted({note for arrays in self._arrays.values() for note in arrays.notes})
 
     @cached_property
     def texts(self) -> list[Path]:
@@ -168,27 +166,29 @@ class Pictures:
         return _series_in(DeepVideo(chosen[0]) if is_depth else Video(chosen[0]), is_depth, is_float=False)
 
     @cached_property
-    def _array_files(self) -> list[Path]:
-        """Files of arrays; those of numpy that are many of one kind are pictures."""
-        groups = _of_one_kind(path for path in self.files if path.suffix.lower() in arrays.SUFFIXES)
-        return [
-            path for paths in groups for path in paths if len(paths) == 1 or path.suffix.lower() not in (".npy", ".npz")
-        ][:_MOST_ALIKE]
+    def _arrays(self) -> dict[Path, Arrays]:
+        """What files of arrays hold; of many of one kind, each with the pictures of one frame, under the first."""
+        found: dict[Path, Arrays] = {}
+        for paths in _of_one_kind(path for path in self.files if path.suffix.lower() in SUFFIXES):
+            first, *others = sorted(paths, key=_order)
+            if others and first.suffix.lower() == ".npy":
+                # Each is a picture.
+                continue
+            of_frames = self._arrays_in(first, *others) if others else Arrays()
+            if len({is_depth for _, is_depth in of_frames.stacks}) > 1:
+                found[first] = of_frames
+            elif not others or first.suffix.lower() != ".npz":
+                found |= {path: self._arrays_in(path) for path in (first, *others)[:_MOST_ALIKE]}
+        return found
 
-    def _arrays(self, path: Path) -> Arrays:
-        if path not in self._read:
-            try:
-                self._read[path] = arrays_of(path)
-            except UserError:
-                # Where it is the recording itself, that is what is wrong with it.
-                if self.folder.is_file():
-                    raise
-                self._read[path] = Arrays()
-        return self._read[path]
-
-    @cached_property
-    def _read(self) -> dict[Path, Arrays]:
-        return {}
+    def _arrays_in(self, *paths: Path) -> Arrays:
+        try:
+            return arrays_of(paths[0]) if len(paths) == 1 else arrays_of_many(paths)
+        except UserError:
+            # Where it is the recording itself, that is what is wrong with it.
+            if self.folder.is_file():
+                raise
+            return Arrays()
 
     def _says(self, series: Series, words: tuple[str, ...]) -> bool:
         around = str(self.folder.parent if self.folder.is_file() else self.folder)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from lpslam.errors import MissingExtraError, UserError
 from lpslam.sources.calibrations.bare_numbers import matrix_of
-from lpslam.sources.captures.holders.stacks import OTHER_WORDS, Entry, Stack, combined, stacks_of
+from lpslam.sources.captures.holders.stacks import OTHER_WORDS, Entry, Stack, combined, is_picture, stacks_of
 from lpslam.sources.clocks import in_seconds
 from lpslam.sources.inside import Inside, PictureFile
 from lpslam.sources.yaml_tree import Tree
@@ -59,7 +59,42 @@ def arrays_of(path: Path) -> Arrays:
         found.tree = _tree(small)
         return found
     except _MALFORMED as error:
-        raise UserError(f"{path} holds no arrays that can be read ({' '.join(str(error).split())[:120]})") from error
+        raise UserError(f"{path} holds no arrays that can be read ({_short(error)})") from error
+
+
+def _short(error: Exception) -> str:
+    return " ".join(str(error).split())[:120]
+
+
+def arrays_of_many(paths: Sequence[Path]) -> Arrays:
+    """The same of many files, in order, that hold one picture of each kind; what the first says holds for all.
+
+    Raises:
+        UserError: the first cannot be read.
+        MissingExtraError: HDF5 cannot be read here.
+    """
+    try:
+        first = list(_entries(paths[0]))
+        pictures = [each for each in first if is_picture(each.shape)]
+        found = Arrays(stacks_of(paths[0].parent, [_one_a_file(each, paths) for each in pictures]))
+        found.tree = _tree([each for each in first if each not in pictures])
+        return found
+    except _MALFORMED as error:
+        raise UserError(f"{paths[0]} holds no arrays that can be read ({_short(error)})") from error
+
+
+def _one_a_file(entry: Entry, paths: Sequence[Path]) -> Entry:
+    """An array of each of many files, named as one in the first, as one array."""
+
+    def read(index: Any) -> Any:
+        found = next((each for each in _entries(paths[index]) if each.name == entry.name), None)
+        if found is None or found.shape != entry.shape:
+            raise ValueError(f"{paths[index].name} has no array {entry.name} of that shape")
+        part = np.asarray(found.read(()))
+        return part.T if entry.is_reversed else part
+
+    shape = entry.shape[::-1] if entry.is_reversed else entry.shape
+    return Entry(entry.name, (len(paths), *shape), entry.kind, entry.bits, read)
 
 
 def times_beside(pictures: Sequence[PictureFile]) -> NDArray[np.float64] | None:

@@ -117,8 +117,7 @@ def combined(entries: Sequence[Entry]) -> list[Entry]:
     whole: list[Entry] = []
     for members in groups.values():
         first = members[0]
-        is_picture = len(first.shape) in (2, 3) and min(first.shape[:2]) >= _LEAST_SIDE
-        if len(members) < 2 or not is_picture:
+        if len(members) < 2 or not is_picture(first.shape):
             whole += members
             continue
         ordered = sorted(members, key=lambda each: [int(digits) for digits in re.findall(r"\d{1,18}", each.name)])
@@ -129,6 +128,11 @@ def combined(entries: Sequence[Entry]) -> list[Entry]:
         name = re.sub(r"[\d_/.\-]+$", "", first.name) or first.name
         whole.append(Entry(name, (len(ordered), *first.shape), first.kind, first.bits, read))
     return whole
+
+
+def is_picture(shape: tuple[int, ...]) -> bool:
+    """Whether an array of a shape may be one picture."""
+    return len(shape) in (2, 3) and min(shape[:2]) >= _LEAST_SIDE
 
 
 def _is_colour(entry: Entry) -> bool:
