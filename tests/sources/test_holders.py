@@ -16,6 +16,7 @@ import pytest
 import scipy.io
 import yaml
 from numpy.typing import NDArray
+from PIL import Image
 
 from lpslam.errors import UserError
 from lpslam.sources.open import open_source
@@ -85,6 +86,15 @@ def in_a_file_for_each_frame(folder: Path, colour: NDArray[np.uint8], depth: NDA
 def in_an_archive_for_each_frame(folder: Path, colour: NDArray[np.uint8], depth: NDArray[np.uint16]) -> Path:
     for index in range(COUNT):
         np.savez(folder / f"frame{index + 8}.npz", image=colour[index], depth=depth[index])
+    (folder / "camera.yaml").write_text(yaml.safe_dump(LENS))
+    (folder / "times.txt").write_text("\n".join(f"{time:.6f}" for time in TIMES))
+    return folder
+
+
+def in_pages(folder: Path, colour: NDArray[np.uint8], depth: NDArray[np.uint16]) -> Path:
+    for name, pictures in (("colour_stack", colour), ("depth_stack", depth)):
+        first, *others = (Image.fromarray(picture) for picture in pictures)
+        first.save(folder / f"{name}.tif", save_all=True, append_images=others)
     (folder / "camera.yaml").write_text(yaml.safe_dump(LENS))
     (folder / "times.txt").write_text("\n".join(f"{time:.6f}" for time in TIMES))
     return folder
@@ -166,7 +176,15 @@ def in_exr(folder: Path, colour: NDArray[np.uint8], depth: NDArray[np.uint16]) -
 
 FORMS: tuple[Write, ...] = (
     *(in_npz, in_npy, in_hdf5, in_hdf5_by_frames, in_hdf5_encoded, in_matlab, in_new_matlab),
-    *(in_videos, video_and_pictures, npz_by_frames, in_exr, in_a_file_for_each_frame, in_an_archive_for_each_frame),
+    *(
+        in_videos,
+        video_and_pictures,
+        npz_by_frames,
+        in_exr,
+        in_a_file_for_each_frame,
+        in_an_archive_for_each_frame,
+        in_pages,
+    ),
 )
 
 
@@ -280,3 +298,17 @@ def test_a_video_that_ends_early_loses_its_last_frames_alone(
     (folder / "color.mkv").write_bytes(whole[: len(whole) * 3 // 4])
     source = open_source(folder)
     assert 1 <= len(list(source)) < COUNT
+
+
+def test_a_page_that_is_damaged_is_a_fault_and_nothing_else(
+    tmp_path: Path, colour: NDArray[np.uint8], depth: NDArray[np.uint16]
+) -> None:
+    folder = in_pages(tmp_path, colour, depth)
+    path = folder / "depth_stack.tif"
+    data = path.read_bytes()
+    path.write_bytes(data[: len(data) * 3 // 5])
+    try:
+        frames = list(open_source(folder))
+    except UserError:
+        return
+    assert len(frames) < COUNT

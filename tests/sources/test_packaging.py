@@ -340,3 +340,33 @@ def test_eight_terms_are_used_as_the_five_that_come_nearest(tmp_path: Path) -> N
     whole = cv2.projectPoints(rays, np.zeros(3), np.zeros(3), matrix, np.array(eight))[0]
     nearest = cv2.projectPoints(rays, np.zeros(3), np.zeros(3), matrix, np.array(calibration.camera.distortion))[0]
     assert np.abs(whole - nearest).max() < 0.5
+
+
+@pytest.mark.parametrize(
+    ("distortion", "terms"),
+    [
+        ({"type": "none", "parameters": {"cols": 1, "rows": 0, "data": []}}, (0.0,) * 5),
+        (
+            {"type": "radial-tangential", "parameters": {"cols": 1, "rows": 4, "data": [0.1, -0.2, 0.001, 0.002]}},
+            (0.1, -0.2, 0.001, 0.002, 0.0),
+        ),
+    ],
+)
+def test_a_lens_as_aslams_tools_write_it(
+    tmp_path: Path, distortion: dict[str, object], terms: tuple[float, ...]
+) -> None:
+    intrinsics = {"cols": 1, "rows": 4, "data": [70.0, 71.0, 31.0, 24.0]}
+    camera = {"image_width": 64, "image_height": 48, "type": "pinhole", "intrinsics": intrinsics}
+    (tmp_path / "calib.yaml").write_text(json.dumps({"cameras": [{"camera": {**camera, "distortion": distortion}}]}))
+    found = read_calibration(tmp_path / "calib.yaml", (64, 48)).camera
+    assert (found.fx, found.fy, found.cx, found.cy) == (70.0, 71.0, 31.0, 24.0)
+    assert found.distortion == terms
+
+
+def test_a_fisheye_as_aslams_tools_write_it_is_refused(tmp_path: Path) -> None:
+    distortion = {"type": "equidistant", "parameters": {"cols": 1, "rows": 4, "data": [0.1, -0.2, 0.001, 0.002]}}
+    intrinsics = {"cols": 1, "rows": 4, "data": [70.0, 71.0, 31.0, 24.0]}
+    camera = {"image_width": 64, "image_height": 48, "type": "pinhole", "intrinsics": intrinsics}
+    (tmp_path / "calib.yaml").write_text(json.dumps({"cameras": [{"camera": {**camera, "distortion": distortion}}]}))
+    with pytest.raises(UserError, match="equidistant is no"):
+        read_calibration(tmp_path / "calib.yaml", (64, 48))

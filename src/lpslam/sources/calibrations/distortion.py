@@ -62,6 +62,10 @@ def distortion_of(
         UserError: they are no numbers, or of a lens that no pinhole with five terms can stand for.
     """
     value = found_in(scopes, DISTORTION)
+    if isinstance(value, dict) and "parameters" in value:
+        # As aslam's tools and SVO have it: a type, and its numbers as a matrix.
+        scopes, value = (value, *scopes), value["parameters"]
+        value = None if isinstance(value, dict) and value.get("data") in ([], None) else value
     names = ("k1", "k2", "p1", "p2", "k3")
     listed = next((scope for scope in (value, *scopes) if isinstance(scope, dict) and "k1" in scope), None)
     parted = _terms_by_kind(value)

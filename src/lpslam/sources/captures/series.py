@@ -16,7 +16,7 @@ import numpy as np
 
 from lpslam.errors import UserError
 from lpslam.sources.captures.chunks import tree_in
-from lpslam.sources.captures.holders import bare, videos
+from lpslam.sources.captures.holders import bare, pages, videos
 from lpslam.sources.captures.holders.arrays import SUFFIXES, Arrays, arrays_of, arrays_of_many
 from lpslam.sources.captures.holders.stacks import COLOUR_WORDS, DEPTH_WORDS, OTHER_WORDS
 from lpslam.sources.captures.holders.videos import DeepVideo, Video
@@ -169,8 +169,10 @@ class Pictures:
     def _arrays(self) -> dict[Path, Arrays]:
         """What files of arrays hold; of many of one kind, each with the pictures of one frame, under the first."""
         found: dict[Path, Arrays] = {}
-        for paths in _of_one_kind(path for path in self.files if path.suffix.lower() in SUFFIXES):
+        for paths in _of_one_kind(path for path in self.files if path.suffix.lower() in SUFFIXES | pages.SUFFIXES):
             first, *others = sorted(paths, key=_order)
+            if first.suffix.lower() in pages.SUFFIXES and (others or not pages.has_pages(first)):
+                continue
             if others and first.suffix.lower() == ".npy":
                 # Each is a picture.
                 continue

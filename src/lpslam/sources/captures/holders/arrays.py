@@ -1,4 +1,4 @@
-"""Files of arrays: numpy's `.npy` and `.npz`, HDF5 (extra `arrays`), MATLAB's `.mat`. Nothing in them is executed."""
+"""Files of arrays: numpy's `.npy`, `.npz`, HDF5 (extra `arrays`), MATLAB's `.mat`, TIFF. None of them is executed."""
 
 import struct
 import zipfile
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from lpslam.errors import MissingExtraError, UserError
 from lpslam.sources.calibrations.bare_numbers import matrix_of
+from lpslam.sources.captures.holders import pages
 from lpslam.sources.captures.holders.stacks import OTHER_WORDS, Entry, Stack, combined, is_picture, stacks_of
 from lpslam.sources.clocks import in_seconds
 from lpslam.sources.inside import Inside, PictureFile
@@ -120,6 +121,8 @@ def _entries(path: Path) -> Iterator[Entry]:
         yield _entry("", array.shape, array.dtype, lambda index: array[index])
     elif path.suffix.lower() == ".npz":
         yield from _of_numpy(path)
+    elif path.suffix.lower() in pages.SUFFIXES:
+        yield from pages.entries_of(path)
     elif _is_hdf5(path):
         yield from _of_hdf5(path)
     else:
