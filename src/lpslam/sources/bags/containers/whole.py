@@ -2,27 +2,17 @@
 
 import bz2
 import gzip
-import logging
-import shutil
-import tempfile
 import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import IO, Protocol
 
 from lpslam.errors import UserError
-from lpslam.interruption import at_end
 from lpslam.sources.bags.containers.unpacking import LARGEST_SHARE
-
-logger = logging.getLogger(__name__)
+from lpslam.sources.unpacked_once import unpacked_once
 
 ENDINGS = (".zstd", ".zst", ".gz", ".bz2")
-_SHARE_OF_DISK = 0.8
-"""Of the free room of the disk for temporary files, that a file may take."""
 _BLOCK = 1 << 22
-_UNPACKED: dict[tuple[str, int, int], Path] = {}
-_KEPT: list[tempfile.TemporaryDirectory[str]] = []
-"""Else they were removed as soon as nothing speaks of them."""
 
 
 class _Readable(Protocol):
@@ -44,22 +34,15 @@ def unpacked_whole(path: Path, begin: bytes) -> Path:
     Raises:
         UserError: it is cut off or damaged, or unpacks to more than any recording or than the disk has room for.
     """
-    status = path.stat()
-    key = str(path.resolve()), status.st_mtime_ns, status.st_size
-    if key not in _UNPACKED:
-        _UNPACKED[key] = _unpack(path, begin, LARGEST_SHARE * status.st_size)
-    return _UNPACKED[key]
+    name = path.stem if path.suffix.lower() in ENDINGS else path.name
+    return unpacked_once(path, lambda folder, room: _unpack(path, begin, folder / name, room)) / name
 
 
-def _unpack(path: Path, begin: bytes, most: int) -> Path:
+def _unpack(path: Path, begin: bytes, inner: Path, room: int) -> None:
     opening = _opening(begin)
     if opening is None:
         raise UserError(f"{path} is compressed in a way that is not known; unpack it first")
-    kept = tempfile.TemporaryDirectory(prefix="lpslam-")
-    at_end(kept.cleanup)
-    inner = Path(kept.name) / (path.stem if path.suffix.lower() in ENDINGS else path.name)
-    most = min(most, int(shutil.disk_usage(kept.name).free * _SHARE_OF_DISK))
-    logger.warning("%s: it is unpacked into %s until the end", path.name, kept.name)
+    most = min(room, LARGEST_SHARE * path.stat().st_size)
     try:
         with path.open("rb") as packed, inner.open("wb") as target:
             source, count = opening(packed), 0
@@ -68,14 +51,8 @@ def _unpack(path: Path, begin: bytes, most: int) -> Path:
                 if count > most:
                     raise UserError(f"{path} unpacks to more than {most / 1e6:.3g} MB; unpack it first, if it is right")
                 target.write(part)
-    except UserError:
-        kept.cleanup()
-        raise
     except (OSError, EOFError, ValueError, zlib.error) as error:
-        kept.cleanup()
         raise UserError(f"{path} cannot be unpacked ({error}); copy it again, or unpack it first") from error
-    _KEPT.append(kept)
-    return inner
 
 
 def _opening(begin: bytes) -> Callable[[IO[bytes]], _Readable] | None:
