@@ -1,7 +1,7 @@
 """The map of a world, found in by other cameras that pass through it: their frames are resampled to that of the map."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import islice
 from typing import Any
 
@@ -30,17 +30,10 @@ CAMERAS: dict[str, dict[str, Any]] = {
 }
 
 
-@dataclass(frozen=True)
-class Task:
-    """A world in which a map is made."""
-
-    recording: WorldRecording
-
-
 def measure(recordings: Sequence[WorldRecording], processes: int, report: Report) -> None:
     """Map every world; then other cameras make another pass through it, which only localises."""
     table = []
-    for facts in beside(_found, [Task(recording) for recording in recordings], processes):
+    for facts in beside(_found, recordings, processes):
         for row in facts:
             report.line(**row)
             table.append([str(value) for value in row.values()])
@@ -48,12 +41,11 @@ def measure(recordings: Sequence[WorldRecording], processes: int, report: Report
     report.table(["World", "Camera", "Share of the view", "Found", "Of", "Median, m", "95 %, m", "Most, m"], table)
 
 
-def _found(task: Task) -> list[dict[str, Any]]:
+def _found(recording: WorldRecording) -> list[dict[str, Any]]:
     import cv2
 
     cv2.setNumThreads(1)
-    recording, config = task.recording, Config()
-    source = recording.open()
+    config, source = Config(), recording.open()
     mapped = run(RgbdSlam(source.camera, config.slam), Prefetched(source))
     truth_from_map, arrays = aligned(recording.truth, mapped.estimate), mapped.slam.map.to_arrays()
     rows = []

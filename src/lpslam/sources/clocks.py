@@ -90,10 +90,15 @@ def refuse_set_back(times: Times, path: Path) -> None:
     """Raise a `UserError` where the clock of a list was set back."""
     at = set_back_at(times)
     if at is not None:
-        raise UserError(
-            f"{path}: its clock goes back by {times[at - 1] - times[at]:.3g} between entries {at} and {at + 1}; "
-            "give times that rise, or cut the recording in two there"
-        )
+        raise set_back(times, at, path)
+
+
+def set_back(times: Times, at: int, path: Path, besides: str = "") -> UserError:
+    """That the clock of a list was set back before a number, and what says so besides."""
+    return UserError(
+        f"{path}: its clock goes back by {times[at - 1] - times[at]:.3g} between entries {at} and {at + 1}{besides}; "
+        "give times that rise, or cut the recording in two there"
+    )
 
 
 def power_of_ten_between(stamps: Sequence[int], logged: Sequence[int]) -> int:

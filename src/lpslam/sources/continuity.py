@@ -12,7 +12,7 @@ from lpslam.config import ContinuityConfig
 from lpslam.errors import UserError
 from lpslam.frames import RgbdFrame
 from lpslam.sources.captures.common import number_of
-from lpslam.sources.clocks import Times, drops_of, is_in_parts, refuse_set_back
+from lpslam.sources.clocks import Times, drops_of, is_in_parts, refuse_set_back, set_back
 from lpslam.sources.images import BadImageError, read_colour
 from lpslam.sources.inside import PictureFile
 
@@ -47,11 +47,7 @@ def refuse_clock_set_back(times: Times, pictures: Sequence[PictureFile], path: P
     else:
         is_set_back = _follows_as_listed(times, pictures, drops[0])
     if is_set_back:
-        at = drops[0]
-        raise UserError(
-            f"{path}: its clock goes back by {times[at - 1] - times[at]:.3g} between entries {at} and {at + 1}, and "
-            "the pictures go on; give times that rise, or cut the recording in two there"
-        )
+        raise set_back(times, drops[0], path, ", and the pictures go on")
 
 
 def refuse_two_walks(

@@ -203,7 +203,9 @@ def _opened(
         if not place.is_dir() and not is_regular(place):
             raise UserError(f"{place} is a device or a pipe, which cannot be read twice; give a file or a folder")
         found = next((layout for layout in FORMATS if layout.is_at(place)), None)
-        if found in (None, _ANY_FOLDER) and place.is_dir() and not _is_bag(place):
+        is_bag = found in (None, _ANY_FOLDER) and _is_bag(place)
+        inner: list[Path] = []
+        if found in (None, _ANY_FOLDER) and place.is_dir() and not is_bag:
             inner = _recordings_in(place)
             bags = [] if inner or found is not None else _bags_in(place)
             if len(bags) == 1:
@@ -216,10 +218,10 @@ def _opened(
                 return _opened(inner[0], beside, max_frames, options, nominal=nominal)
             # A folder of recordings is none itself.
             found = None if inner else found
-        reason = "" if found is not None or _is_bag(place) else reason_for(place, _recordings_in(place))
+        reason = "" if found is not None or is_bag else reason_for(place, inner)
         if reason:
             raise UserError(f"{place} is no recording that is read: {reason}")
-        if found is None and (_is_bag(place) or (place.is_file() and not place.stat().st_size)):
+        if found is None and (is_bag or (place.is_file() and not place.stat().st_size)):
             return _open_bag(place, calibration, max_frames, options)
         if found is None and place.suffix.lower() in ARCHIVES:
             return _opened(unpacked(place), calibration, max_frames, options, nominal=nominal)

@@ -13,10 +13,13 @@ _ZARR = (".zgroup", ".zattrs", ".zmetadata", "zarr.json")
 _OTHERS = {
     ".pb": "protobuf messages, which are not read: export pictures, depth of 16 bits and the calibration with their "
     "maker's tools, or record a ROS bag",
-    ".pkl": "pickles, which are programs and are not read: save plain arrays (.npz) or pictures",
-    ".pickle": "pickles, which are programs and are not read: save plain arrays (.npz) or pictures",
-    ".svo": "a ZED recording, which its maker's library alone reads: export it to pictures and depth of 16 bits",
-    ".svo2": "a ZED recording, which its maker's library alone reads: export it to pictures and depth of 16 bits",
+    **dict.fromkeys(
+        (".pkl", ".pickle"), "pickles, which are programs and are not read: save plain arrays (.npz) or pictures"
+    ),
+    **dict.fromkeys(
+        (".svo", ".svo2"),
+        "a ZED recording, which its maker's library alone reads: export it to pictures and depth of 16 bits",
+    ),
     ".oni": "an OpenNI recording, which is not read: export it to pictures and depth of 16 bits",
 }
 _SHOWN = 6

@@ -98,7 +98,8 @@ def said_most_alike(text: str, signs: Sequence[Seen]) -> list[Seen]:
     """
     key = comparison_key(text)
     alike = [similarity(key, comparison_key(sign.spellings[0])) for sign in signs]
-    return [sign for sign, each in zip(signs, alike, strict=True) if each == max(alike)]
+    most = max(alike, default=0.0)
+    return [sign for sign, each in zip(signs, alike, strict=True) if each == most]
 
 
 def seen_texts(
