@@ -33,42 +33,46 @@ def contours_of(depth: Picture, config: RegistrationCheckConfig) -> Contours:
     What a thing hides from a projector or the second eye has no depth: the next reading within a reach is asked.
     """
     every = max(1, round(depth.shape[1] / config.depth_width))
-    depth = depth[::every, ::every]
-    found = [_ends(turned, config) for turned in _four_ways(depth)]
-    height, width = depth.shape
-    (r0, c0, z0), (r1, c1, z1), (r2, c2, z2), (r3, c3, z3) = found
-    rows = np.concatenate([r0, r1, c2 + 0.5, height - 1 - c3 - 0.5])
-    columns = np.concatenate([c0 + 0.5, width - 1 - c1 - 0.5, r2, r3])
-    axis = np.repeat([0, 1], [len(r0) + len(r1), len(r2) + len(r3)])
-    depths = np.concatenate([z0, z1, z2, z3]).astype(np.float64)
+    depth = np.ascontiguousarray(depth[::every, ::every])
+    rows, columns, near, side = _ends_along_rows(depth, config)
+    turned_rows, turned_columns, turned_near, turned_side = _ends_along_rows(np.ascontiguousarray(depth.T), config)
+    pixels = np.column_stack(
+        [
+            np.concatenate([columns + 0.5 * side, turned_rows]),
+            np.concatenate([rows, turned_columns + 0.5 * turned_side]),
+        ]
+    )
+    depths = np.concatenate([near, turned_near]).astype(np.float64)
+    axis = np.repeat([0, 1], [len(near), len(turned_near)])
     kept = np.unique(np.linspace(0, len(depths) - 1, config.contour_pixels).astype(int)) if len(depths) else slice(0)
-    return Contours(np.column_stack([columns, rows])[kept] * every, depths[kept], axis[kept])
+    return Contours(pixels[kept] * every, depths[kept], axis[kept])
 
 
-def _four_ways(depth: Picture) -> tuple[Picture, Picture, Picture, Picture]:
-    """Turned so that right, left, down and up are along a row."""
-    upright = np.ascontiguousarray(depth.T)
-    return depth, depth[:, ::-1], upright, upright[:, ::-1]
+def _ends_along_rows(
+    depth: Picture, config: RegistrationCheckConfig
+) -> tuple[NDArray[np.intp], NDArray[np.intp], Picture, NDArray[np.intp]]:
+    """Rows, columns and depths beside which something much farther comes; to the right (1) or to the left (-1).
 
-
-def _ends(depth: Picture, config: RegistrationCheckConfig) -> tuple[Array, Array, Picture]:
-    """Rows, columns and depths after which, along a row, something much farther comes."""
-    height, width = depth.shape
-    columns = np.arange(width)
+    Of readings that follow each other in a row the nearer one ends, if those on its other side read alike.
+    """
+    width = depth.shape[1]
+    flat = depth.ravel()
     with np.errstate(invalid="ignore"):
-        is_read = np.isfinite(depth) & (depth > config.nearest)
-    beyond = np.full((height, width + 1), width, dtype=np.intp)
-    beyond[:, :width] = np.where(is_read, columns, width)
-    after = np.minimum.accumulate(beyond[:, ::-1], axis=1)[:, ::-1][:, 1:]
-    row, column = np.nonzero(is_read & (after < width) & (after - columns <= config.shadow * width))
-    steady = column >= config.steady_pixels
-    row, column = row[steady], column[steady]
-    near, far = depth[row, column], depth[row, after[row, column]]
-    is_end = far > near + np.maximum(config.step, config.step_share * near)
-    for back in range(1, config.steady_pixels + 1):
-        before = depth[row, column - back]
-        is_end &= np.abs(before - near) < config.steady_share * near
-    return row[is_end].astype(np.float64), column[is_end].astype(np.float64), near[is_end]
+        at = np.flatnonzero(np.isfinite(flat) & (flat > config.nearest))
+    z = flat[at]
+    pair = np.flatnonzero(np.abs(np.diff(z)) > config.step)
+    is_first_near = z[pair] < z[pair + 1]
+    near, far = at[pair + ~is_first_near], at[pair + is_first_near]
+    side = np.where(is_first_near, 1, -1)
+    is_end = (near // width == far // width) & (np.abs(far - near) <= config.shadow * width)
+    is_end &= flat[far] - flat[near] > config.step_share * flat[near]
+    behind = near % width - config.steady_pixels * side
+    is_end &= (behind >= 0) & (behind < width)
+    near, side = near[is_end], side[is_end]
+    back = near - side * np.arange(1, config.steady_pixels + 1)[:, None]
+    is_steady = (np.abs(flat[back] - flat[near]) < config.steady_share * flat[near]).all(axis=0)
+    near, side = near[is_steady], side[is_steady]
+    return near // width, near % width, flat[near], side
 
 
 def changes_of(rgb: NDArray[np.uint8], side: int) -> tuple[Picture, Picture]:
