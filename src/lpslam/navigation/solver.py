@@ -194,7 +194,7 @@ class _Solver:
         near = {id_ for id_, score in served.scores.items() if score >= self.config.equal_share * best}
         if near & out and near - out:
             # “A classroom, not Nordkette”: what is left out is of what is wanted, so that was understood.
-            served = replace(served, sure=max(served.sure, LEAST_SURE * served.strictness))
+            served = served.confirmed(LEAST_SURE * served.strictness)
         names = self._scene.sites.by_id
         alike = others_alike((names[id_].name for id_ in out), {id_: names[id_].name for id_ in left})
         return replace(served, scores={id_: left[id_] for id_ in alike} or left)
@@ -376,7 +376,7 @@ class _Solver:
             notes.append(f"there are only {len(ranked)} that serve")
             return self._none(served, notes, [each.place for each in ranked])
         chosen = ranked[at]
-        sure = served.confidence
+        sure = served.certainty
         rival = ranked[at + 1] if at + 1 < len(ranked) else None
         is_ordered = stop.which in (Which.NEAREST, Which.FARTHEST) or stop.relation is not None
         if rival is not None and is_ordered:

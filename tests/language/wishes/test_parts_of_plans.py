@@ -54,6 +54,16 @@ def test_a_plan_is_in_the_language_of_the_words_that_order_it() -> None:
     assert [(stop.what, stop.language) for stop in wish.stops] == [("zur Toilette", "de"), ("Pizza", "de")]
 
 
+@pytest.mark.parametrize(
+    "question", ["everything is blurred when I drive at dusk", "first bread, then everything is blurred at dusk"]
+)
+def test_a_guess_that_is_told_is_told_with_how_probable_it_is(question: str) -> None:
+    last = stops(question, ("Tailor", "Bakery", "Aquarium", "Opticians"))[-1]
+    assert last.place is not None
+    assert last.place.name == "Opticians"
+    assert last.confidence >= 0.25
+
+
 BOARDS = ("Registrar", "Citizens Advice", "Bike Sheds", "Admissions Office", "Refectory", "Print Shop", "Toilets")
 
 

@@ -103,13 +103,11 @@ class Refusing:
         least = LEAST_IN_SPITE if rest.way is Way.GUESS else LEAST_SURE
         # What is refused is of what is wanted: so that was understood.
         if self._is_confirmed(rest, out):
-            rest = replace(rest, sure=max(rest.sure, least))
+            rest = rest.confirmed(least)
         if not rest.scores or rest.sure < least:
             # Tables that read what is refused as well as what is wanted are right more often than their words tell.
             is_surer = bool(read and meaning.refused) and max(served.sure, rest.sure) >= _LEAST_READ
-            return replace(
-                served, scores=read, sure=max(served.sure, LEAST_SURE) if is_surer else served.sure, strictness=1.0
-            )
+            return replace(served.confirmed(LEAST_SURE if is_surer else 0.0), scores=read, strictness=1.0)
         # What comes far behind what is refused was not wanted.
         near = _AS_WANTED * max(rest.scores.values())
         left = {id_: score for id_, score in rest.scores.items() if id_ not in out and (score >= near or id_ in read)}
@@ -118,7 +116,7 @@ class Refusing:
             return replace(rest, stop=served.stop)
         if not left and named and read and served.sure >= _LEAST_READ and rest.way is not Way.NAME:
             # A brand that is refused serves so much better than all else that nothing else was near it.
-            return replace(served, scores=read, sure=max(served.sure, LEAST_SURE))
+            return replace(served.confirmed(LEAST_SURE), scores=read)
         left = {id_: score for id_, score in left.items() if id_ in read} or left
         name_of = self._index.name_of
         alike = others_alike((name_of[id_] for id_ in named), {id_: name_of[id_] for id_ in left})

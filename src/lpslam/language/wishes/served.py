@@ -81,6 +81,15 @@ class Served:
         """Why one of those that serve does: the one that is chosen need not be the best."""
         return self.evidence if self.why is None else self.why(id_)
 
+    @property
+    def certainty(self) -> float:
+        """How surely the best is what was meant, where it is told: of a guess, by what speaks for it."""
+        return self.sure if self.way is Way.GUESS else self.confidence
+
+    def confirmed(self, least: float) -> "Served":
+        """Return it as at least so sure: what else is said confirms that it was understood."""
+        return replace(self, sure=max(self.sure, least), confidence=max(self.confidence, least))
+
     def as_anchor(self) -> "Served":
         """Return what serves an anchor: it is not asked how sure that is, but of a guess."""
         is_guessed = self.way is Way.GUESS and self.sure < _LEAST_ANCHOR
