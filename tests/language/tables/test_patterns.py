@@ -54,3 +54,16 @@ def test_without_a_cache_patterns_are_made(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(patterns, "kept", fail)
     patterns.keep_ready("test", [("a+b", 0)])
     assert patterns.ready("a+b").search("xaab") is not None
+
+
+def test_patterns_of_modules_are_kept_together_and_made_ready_when_one_is_looked_for(own_cache: Path) -> None:
+    texts = ("B[0-9]+", "c(?P<end>a.é)")
+    for _ in range(2):  # made, then from the cache
+        held = [patterns.standing(text, re.IGNORECASE) for text in texts]
+        assert not any((text, int(re.IGNORECASE)) in patterns._made for text in texts)
+        assert found(held[0]) == found(re.compile(texts[0], re.IGNORECASE))
+        assert all((text, int(re.IGNORECASE)) in patterns._made for text in texts)
+        assert found(held[1]) == found(re.compile(texts[1], re.IGNORECASE)) != []
+        patterns.ready.cache_clear()
+        patterns._made.clear()
+    assert len(list((own_cache / "lpslam" / "made").glob("patterns-own-*"))) == 1

@@ -15,13 +15,14 @@ from lpslam.language.signs.meaning import SignMeaning, for_whom, joined
 from lpslam.language.signs.reader import SignReader
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.lexicon import Meaning
+from lpslam.language.tables.patterns import standing
 from lpslam.language.tables.words import UNSPACED_RUN, PhraseTable, is_unspaced
 
-_NUMBERED = re.compile(r"[A-Z]?\d+(?:[.-]\d+)*(?:\s*[-–—~〜]\s*[A-Z]?\d+)?")
+_NUMBERED = standing(r"[A-Z]?\d+(?:[.-]\d+)*(?:\s*[-–—~〜]\s*[A-Z]?\d+)?")
 _SURELY = 0.5  # a place is of a kind when its words say so at least this surely
-_IS_NUMBER = re.compile(r"^[\W\d]*\w?[\W\d]+$")
+_IS_NUMBER = standing(r"^[\W\d]*\w?[\W\d]+$")
 _SHORTEST_WORD = 4  # letters of a word that may stand for the name that it is part of
-_PARTS = re.compile(r"[·•,、・|/]")  # what parts the things that a line lists
+_PARTS = standing(r"[·•,、・|/]")  # what parts the things that a line lists
 _MOST_OF_LINE = 0.6  # of a line's parts: so many must be read before it is believed
 _OF_LINE = 0.85  # of what a further line says: a board whose name says it goes before
 _SHORTEST_RUN = 3  # characters without spaces that may be a name or a part of one

@@ -30,17 +30,18 @@ from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.inflection import known_form
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.lexicon import Meaning, read_table
+from lpslam.language.tables.patterns import standing
 from lpslam.language.tables.states import Trouble, says_at_home, together_in, troubles_in
 from lpslam.language.tables.words import Phrases, PhraseTable, Span, is_unspaced, longest_phrases
 
-_HYPHEN = re.compile(r"(?<=[^\W\d_])[-\u2010\u2011](?=\w)|(?<=\w)[-\u2010\u2011](?=[^\W\d_])")
+_HYPHEN = standing(r"(?<=[^\W\d_])[-\u2010\u2011](?=\w)|(?<=\w)[-\u2010\u2011](?=[^\W\d_])")
 # The mark in “T. rex” ends no clause.
-_ABBREVIATED = re.compile(r"\b([^\W\d_])\. (?=\w)")
+_ABBREVIATED = standing(r"\b([^\W\d_])\. (?=\w)")
 # “Fischallergie” refuses fish.
-_ALLERGY = re.compile(r"(\w{3,}?)s?(allergien?|unverträglichkeit|intoleranz)\b", re.IGNORECASE)
+_ALLERGY = standing(r"(\w{3,}?)s?(allergien?|unverträglichkeit|intoleranz)\b", re.IGNORECASE)
 # Without its accent, as words are looked up, té is a Spanish pronoun.
-_SPANISH_TEA = re.compile(r"\bté\b", re.IGNORECASE)
-_ANOTHER = re.compile(read_table("patterns.json")["another"], re.IGNORECASE)
+_SPANISH_TEA = standing(r"\bté\b", re.IGNORECASE)
+_ANOTHER = standing(read_table("patterns.json")["another"], re.IGNORECASE)
 """Words that ask for something beside what is named."""
 _QUESTION_LENGTH = 400
 _KEPT = 64  # readings that are kept: those of one question and its parts, and of a few that are asked at one time

@@ -6,17 +6,18 @@ from functools import lru_cache
 
 from lpslam.language.languages import LATIN
 from lpslam.language.tables.knowledge import Knowledge
+from lpslam.language.tables.patterns import standing
 from lpslam.language.tables.words import is_mark
 
-_KANA = re.compile(r"[\u3040-\u30ff]")
-_HANGUL = re.compile(r"[\uac00-\ud7af]")
-_HAN = re.compile(r"[\u4e00-\u9fff]")
-_POSSESSIVE = re.compile(r"\w['’]s\b")
+_KANA = standing(r"[\u3040-\u30ff]")
+_HANGUL = standing(r"[\uac00-\ud7af]")
+_HAN = standing(r"[\u4e00-\u9fff]")
+_POSSESSIVE = standing(r"\w['’]s\b")
 # Letters and turns that one language of Latin script has and the others do not.
 _OWN_LETTERS = {
-    "es": re.compile(r"[¿¡ñ]"),
-    "de": re.compile(r"[ßäöü]", re.IGNORECASE),
-    "fr": re.compile(r"[çœêèàùâîôë]|\b[jldnmtsc]['’]|\bqu['’]", re.IGNORECASE),
+    "es": standing(r"[¿¡ñ]"),
+    "de": standing(r"[ßäöü]", re.IGNORECASE),
+    "fr": standing(r"[çœêèàùâîôë]|\b[jldnmtsc]['’]|\bqu['’]", re.IGNORECASE),
 }
 _RIVAL = 0.7  # a language with this share of the likeliest one's common words may be meant too
 _KNOWN_SHARE = 0.3  # of the words of a sentence that are common in its language

@@ -14,6 +14,7 @@ from lpslam.language.model import Candidate, Choice, Chooser
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.knowledge import load_knowledge
 from lpslam.language.tables.lexicon import read_table
+from lpslam.language.tables.patterns import standing
 from lpslam.language.tables.words import is_unspaced
 
 _MOST_LETTERS = 160  # a longer text is no name of a place, whatever it says
@@ -25,12 +26,12 @@ _LOOK_ALIKE = str.maketrans(
     "0134578@$!|аеорсухкмтвніјѕԁɡοαεικνρτυχ",
     "oieastbasilaeopcyxkmtbhijsdgoaeiknptux",
 )
-_WORD = re.compile(r"[^\W_]+(?:['’.][^\W_]+)*")
-_MARKUP = re.compile(read_table("patterns.json")["markup"], re.IGNORECASE)
-_ROLE = re.compile(read_table("patterns.json")["role"], re.IGNORECASE)
-_NUMBERED = re.compile(read_table("patterns.json")["numbered"], re.IGNORECASE)
-_BARE = re.compile(read_table("patterns.json")["bare"], re.IGNORECASE)
-_FIELD = re.compile(read_table("patterns.json")["field"], re.IGNORECASE)
+_WORD = standing(r"[^\W_]+(?:['’.][^\W_]+)*")
+_MARKUP = standing(read_table("patterns.json")["markup"], re.IGNORECASE)
+_ROLE = standing(read_table("patterns.json")["role"], re.IGNORECASE)
+_NUMBERED = standing(read_table("patterns.json")["numbered"], re.IGNORECASE)
+_BARE = standing(read_table("patterns.json")["bare"], re.IGNORECASE)
+_FIELD = standing(read_table("patterns.json")["field"], re.IGNORECASE)
 
 
 @lru_cache(maxsize=1 << 17)

@@ -8,6 +8,7 @@ from typing import Any
 
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.lexicon import read_table
+from lpslam.language.tables.patterns import standing
 from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.numerals import number_of, with_digits
 
@@ -81,7 +82,7 @@ def _rows() -> Mapping[str, str]:
 @cache
 def _pattern(name: str) -> re.Pattern[str]:
     """A pattern, made ready when it is first looked for."""
-    return re.compile(_rows()[name], re.IGNORECASE)
+    return standing(_rows()[name], re.IGNORECASE)
 
 
 def _minute(found: re.Match[str], at: str, half: str = "") -> int:

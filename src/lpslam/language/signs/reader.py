@@ -1,6 +1,5 @@
 """What a sign says: the kinds of place that its words stand for (landmark judgement, III-G)."""
 
-import re
 from collections.abc import Mapping, Sequence
 from functools import cached_property, lru_cache
 
@@ -29,11 +28,12 @@ from lpslam.language.signs.repair import Repair
 from lpslam.language.tables.knowledge import Knowledge, load_knowledge, load_words
 from lpslam.language.tables.lexicon import Meaning
 from lpslam.language.tables.painted import Known
+from lpslam.language.tables.patterns import standing
 from lpslam.language.tables.spelling import NearestNames, allowed_edits
 from lpslam.language.tables.words import Span, is_mark, is_unspaced, longest_phrases
 
-_PARTS = re.compile(r"[()\[\]{}<>|/·•:;—–]+|\s-\s")
-_PERSON = re.compile(r"(?:Prof|Dr|Dra|Mr|Mrs|Ms|Sr|Sra|Mme)\.\s?(?:\w+\.\s?)*[A-ZÀ-Þ]")
+_PARTS = standing(r"[()\[\]{}<>|/·•:;—–]+|\s-\s")
+_PERSON = standing(r"(?:Prof|Dr|Dra|Mr|Mrs|Ms|Sr|Sra|Mme)\.\s?(?:\w+\.\s?)*[A-ZÀ-Þ]")
 _SHORTEST_IDEOGRAPHS, _SHORTEST_LETTERS = 3, 6  # of a brand at the head of a longer name; shorter ones are chance
 _SHORTEST_TAIL = 2  # ideographs of what a longer name ends with: most kinds of shop have so many
 _SURE_TRADE = 0.95  # of a trade at the end of a long name

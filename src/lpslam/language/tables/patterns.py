@@ -10,19 +10,42 @@ from collections.abc import Iterable
 from contextlib import suppress
 from functools import cache
 from importlib import import_module
-from typing import Any
+from typing import Any, cast
 
 from lpslam.language.kept import kept
 
 _OTHERWISE = (AttributeError, ImportError, RuntimeError, TypeError, ValueError)
 _made: dict[tuple[str, int], tuple[Any, ...]] = {}
+_standing: list[tuple[str, int]] = []
 
 
-def keep_ready(name: str, patterns: Iterable[tuple[str, int]]) -> None:
+class _Standing:
+    """A pattern of a module, made ready when it is first looked for, with all that stand there by then."""
+
+    def __init__(self, pattern: str, flags: int) -> None:
+        self._pattern, self._flags = pattern, flags
+        _standing.append((pattern, flags))
+
+    def __getattr__(self, name: str) -> Any:
+        if _standing:
+            patterns = tuple(_standing)
+            _standing.clear()
+            keep_ready("own", patterns, repr(patterns).encode())
+        found = getattr(ready(self._pattern, self._flags), name)
+        setattr(self, name, found)
+        return found
+
+
+def standing(pattern: str, flags: int = 0) -> re.Pattern[str]:
+    """Return a pattern that a module holds: what is imported need not be made ready."""
+    return cast(re.Pattern[str], _Standing(pattern, int(flags)))
+
+
+def keep_ready(name: str, patterns: Iterable[tuple[str, int]], made_of: bytes = b"") -> None:
     """Have some patterns, each with its flags, ready from the cache; `name` is a word for all of them."""
     with suppress(*_OTHERWISE):
         _made.update(
-            kept(f"patterns-{name}", b"", lambda: {(text, int(flag)): _of(text, flag) for text, flag in patterns})
+            kept(f"patterns-{name}", made_of, lambda: {(text, int(flag)): _of(text, flag) for text, flag in patterns})
         )
 
 

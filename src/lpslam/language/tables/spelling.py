@@ -1,6 +1,5 @@
 """Letters that are taken for one another, words a single slip away, and known names near a misread one."""
 
-import re
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
@@ -8,11 +7,12 @@ from importlib.resources import files
 
 from rapidfuzz.distance import Levenshtein
 
+from lpslam.language.tables.patterns import standing
 from lpslam.language.tables.words import is_unspaced
 
 # Letters of the shortest word that is replaced by a known one: shorter ones have too many neighbours.
 LEAST_RESPELLED = 4
-_MARKS = re.compile(r"([\W_]+)")
+_MARKS = standing(r"([\W_]+)")
 
 
 def is_ideograph(letter: str) -> bool:

@@ -4,23 +4,24 @@ A unit is one word of a script that spaces its words, or one character of a scri
 Thai). A phrase is a run of units; its key joins them with single spaces, so one table serves every language.
 """
 
-import re
 import unicodedata
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Generic, Protocol, TypeVar
 
+from lpslam.language.tables.patterns import standing
+
 _UNSPACED = "\u0e00-\u0e7f\u1100-\u11ff\u3040-\u30ff\u3400-\u4dbf\u4e00-\u9fff\uac00-\ud7af\uf900-\ufaff"
-_UNIT = re.compile(rf"[{_UNSPACED}]|[^\W_{_UNSPACED}]+|[^\w\s]")
-_LETTERS_UNSPACED = re.compile("[\u3041-\u3096\u30a1-\u30fa\u30fc\u3400-\u4dbf\u4e00-\u9fff\uac00-\ud7a3]+")
-_PLAIN = re.compile("[a-zA-Z0-9 ]+")
-_CAMEL = re.compile(r"(?<=[a-zß-ÿ])(?=[A-ZÀ-Þ])")
-_INNER_HYPHEN = re.compile(r"(?<=[^\W\d_])-(?=[^\W\d_])")
-_ACCENT = re.compile("[\u0300-\u036f]")
-_NOT_LETTER = re.compile(r"[\W_]+")
-UNSPACED_RUN = re.compile(f"[{_UNSPACED}]+")
-_BEGINS_UNSPACED = re.compile(f"[{_UNSPACED}]")
+_UNIT = standing(rf"[{_UNSPACED}]|[^\W_{_UNSPACED}]+|[^\w\s]")
+_LETTERS_UNSPACED = standing("[\u3041-\u3096\u30a1-\u30fa\u30fc\u3400-\u4dbf\u4e00-\u9fff\uac00-\ud7a3]+")
+_PLAIN = standing("[a-zA-Z0-9 ]+")
+_CAMEL = standing(r"(?<=[a-zß-ÿ])(?=[A-ZÀ-Þ])")
+_INNER_HYPHEN = standing(r"(?<=[^\W\d_])-(?=[^\W\d_])")
+_ACCENT = standing("[\u0300-\u036f]")
+_NOT_LETTER = standing(r"[\W_]+")
+UNSPACED_RUN = standing(f"[{_UNSPACED}]+")
+_BEGINS_UNSPACED = standing(f"[{_UNSPACED}]")
 _FIRST_UNSPACED = _UNSPACED[0]
 
 Value = TypeVar("Value")

@@ -10,6 +10,7 @@ from lpslam.language.questions.question import asks_for_another
 from lpslam.language.questions.speaking import languages_of, wish_languages
 from lpslam.language.questions.wanted import Wish as Meaning
 from lpslam.language.tables.knowledge import Knowledge, load_words
+from lpslam.language.tables.patterns import standing
 from lpslam.language.tables.words import UNSPACED_RUN, is_mark, is_unspaced, longest_phrases
 from lpslam.language.wishes.heard import sound_the_same
 from lpslam.language.wishes.names import Names, pairs_of
@@ -20,13 +21,13 @@ SHORTEST = 3  # letters of a word that is a name by itself
 _KEPT = 8  # texts whose words are kept: a stop and its parts
 _FEW = 8  # boards that bear a word which may tell one of them
 _FEWEST_OWN = 2  # characters of the part of such a name that is its own
-_PARTICLE = re.compile(r"$|[^가-힣]|[은는이가을를에로의도와과]|까지|으로|하고|쪽|이요")
-_BY_ITSELF = re.compile(r"[가-힣]{2,}?(?=(?:이?라는|[은는이가을를에]|으로|로|까지|하고)?(?:[^가-힣]|$))|[ァ-ヴー]{3,}")
+_PARTICLE = standing(r"$|[^가-힣]|[은는이가을를에로의도와과]|까지|으로|하고|쪽|이요")
+_BY_ITSELF = standing(r"[가-힣]{2,}?(?=(?:이?라는|[은는이가을를에]|으로|로|까지|하고)?(?:[^가-힣]|$))|[ァ-ヴー]{3,}")
 _NAMED = 0.9  # of a part of a name
 _FEW_WORDS = 3  # of a question in which a name of few sounds is heard beside other words
 _MOST_OF_IT = 0.7  # of the letters that are asked for: a name, with a particle
 _MOST_OF_A_NAME = 0.5  # of a name's letters that are asked for, where each word by itself means something else
-_NAME = re.compile(r"(?<=[a-zà-ÿ] )[A-Z][\w'’-]* (?:[A-Z&][\w'’-]* ?)+")  # “is there a Burger King”
+_NAME = standing(r"(?<=[a-zà-ÿ] )[A-Z][\w'’-]* (?:[A-Z&][\w'’-]* ?)+")  # “is there a Burger King”
 _LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
 
 

@@ -4,21 +4,21 @@
 language has its `joints`, after which the next clause begins. Whether the pieces are stops their words say, or the map.
 """
 
-import re
 from collections.abc import Sequence
 
 from lpslam.language.languages import CAPITALS_ARE_NAMES
 from lpslam.language.questions.question import read_question
 from lpslam.language.questions.wanted import MAIN
 from lpslam.language.tables.knowledge import Knowledge
+from lpslam.language.tables.patterns import standing
 from lpslam.language.wishes.codes import asked_codes
 from lpslam.language.wishes.rules import content_left, rules_of
 
-_LISTED = re.compile(r"[,，;；、] ?(?:(?:and|und|et|y) )?")
-_JOINED = re.compile(r" (?:and|und|et|y|e) ")
+_LISTED = standing(r"[,，;；、] ?(?:(?:and|und|et|y) )?")
+_JOINED = standing(r" (?:and|und|et|y|e) ")
 _ANY_KIND = frozenset({"shop", "place", "business"})  # kinds that say nothing of what is wanted
 FEWEST_LISTED = 3  # things that are listed without a word for their order: “pharmacy, bank, coffee”
-_NUMBER = re.compile(r"[A-Za-z]?\d{1,4}[A-Za-z]?")
+_NUMBER = standing(r"[A-Za-z]?\d{1,4}[A-Za-z]?")
 _ENDS = " .。!！?？,，、;；¿¡"
 _MOST_LETTERS = 60  # of a piece: longer ones tell of something
 

@@ -11,6 +11,7 @@ from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.hours import without_hours
 from lpslam.language.tables.knowledge import load_chinese_words
 from lpslam.language.tables.lexicon import read_table
+from lpslam.language.tables.patterns import standing
 from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.code import Code, code_in, range_of
 from lpslam.language.wishes.form import Identity, Sort
@@ -25,52 +26,52 @@ from lpslam.language.wishes.numerals import (
 
 _AMOUNTS: Mapping[str, str] = read_table("wishes/quantities.json")
 _KEPT = 64  # texts as codes are looked for in them: a question and its parts
-_UNSPACED_NUMBER = re.compile(_AMOUNTS["number of unspaced scripts"])
-_NUMERAL = re.compile(
+_UNSPACED_NUMBER = standing(_AMOUNTS["number of unspaced scripts"])
+_NUMERAL = standing(
     r"[〇零一二三四五六七八九两兩十百]+|(?<![가-힣])(?P<hangul>[일이삼사오육칠팔구십백]+)|(?<=제)[일이삼사오육칠팔구십백]+"
 )
-_ENDS_NUMERAL = re.compile(r"$|[^\u4e00-\u9fff가-힣]|[在怎吗嗎呢去哪远遠往等的吧那은는이가을를에로]|까지")
+_ENDS_NUMERAL = standing(r"$|[^\u4e00-\u9fff가-힣]|[在怎吗嗎呢去哪远遠往等的吧那은는이가을를에로]|까지")
 _FEWEST_TOGETHER = 3  # characters of a numeral and of what it numbers right behind it: 四病棟, but 이동
-_THIS_ONE = re.compile(r"(?<![가-힣])([일이삼사오육칠팔구])(?=번 (?!정류장)(\S+))")  # “이번 정류장” is this stop
+_THIS_ONE = standing(r"(?<![가-힣])([일이삼사오육칠팔구])(?=번 (?!정류장)(\S+))")  # “이번 정류장” is this stop
 _ONE = r"(?:[a-z]{1,2}[-.]?|[b-z] )?\d{1,4}(?:[-.]\d{1,4}){0,2}(?:-?[a-z]| [a-z](?=[\u2e80-\uffff]))?|[a-z]"
-_CODE = re.compile(rf"(?<![a-zà-ÿ0-9'’])({_ONE})(?![^\W_\u2e80-\uffff])(?!['’-][^\W\d_])")
+_CODE = standing(rf"(?<![a-zà-ÿ0-9'’])({_ONE})(?![^\W_\u2e80-\uffff])(?!['’-][^\W\d_])")
 _END = r"([a-z]{0,2}[-.]?\d{1,4}(?:\.\d{1,3})?[a-z]?|[a-z]{1,2})"
-_RANGE = re.compile(rf"(?<![a-zà-ÿ0-9])(?<!\d\.){_END} ?(?:{_AMOUNTS['to']}) ?{_END}(?![a-z0-9])")
-_QUANTITY = re.compile(
+_RANGE = standing(rf"(?<![a-zà-ÿ0-9])(?<!\d\.){_END} ?(?:{_AMOUNTS['to']}) ?{_END}(?![a-z0-9])")
+_QUANTITY = standing(
     rf"\d+(?:[.,:h]\d+)? ?(?:{_AMOUNTS['times']}|{_AMOUNTS['measures']})(?![a-z])|\d{{1,2}}:\d{{2}}|[$€£¥]\d+"
     rf"|(?<!\w)(?:{_AMOUNTS['years']}) (?:1[5-9]|20)\d\d(?!\w)|(?:{_AMOUNTS['sizes']}) ?\d+",
     re.IGNORECASE,
 )
-_AGES = re.compile(
+_AGES = standing(
     rf"(?:\d+ ?(?:{_AMOUNTS['to']}) ?)?\d+ ?(?:years?|años|ans|jahren?|岁|歳|才|살|세)(?![^\W\d_\u2e80-\uffff])"
 )
 _PLURAL = "es|s|x"
 _SHORTEST_HEAD = 4  # letters of the head of a compound
 _BEFORE, _AFTER = 26, 8  # letters around a code in which the word for what is numbered is looked for
 _FEWEST_SPOKEN = 3  # digits of a number in words that is a room's where nothing says so
-_NUMBER_WORD = re.compile(r"(?<!\w)(?:number|nummer|numéro|número|the|die|den|der|das|el|la|le|les|los|las)(?!\w)")
+_NUMBER_WORD = standing(r"(?<!\w)(?:number|nummer|numéro|número|the|die|den|der|das|el|la|le|les|los|las)(?!\w)")
 _FEW_WORDS, _SHORT = 2, 16  # words and letters of a question that may be no more than a number
 _COUNTERS = " 号號番번-の"
-_COUNTED = re.compile("^호 ?(?=[가-힣])")  # 2호 엘리베이터 is a lift, 203호 a room
-_LISTED = re.compile(r"^(?:[・·、]\d{1,4})+")  # further numbers of the same: 3・4番線
-_LETTER_BEFORE = re.compile(r"(?<![^\W_])[b-df-hj-np-tv-xz]$")  # no word of any language: “B seven”
-_BETWEEN = re.compile(_AMOUNTS["between"])
+_COUNTED = standing("^호 ?(?=[가-힣])")  # 2호 엘리베이터 is a lift, 203호 a room
+_LISTED = standing(r"^(?:[・·、]\d{1,4})+")  # further numbers of the same: 3・4番線
+_LETTER_BEFORE = standing(r"(?<![^\W_])[b-df-hj-np-tv-xz]$")  # no word of any language: “B seven”
+_BETWEEN = standing(_AMOUNTS["between"])
 """What may stand between “gates” and a number: other numbers, “no.”, “and”."""
 _LEVELS = frozenset({"floor"})
-_ORDINAL_BEFORE = re.compile(r"\d(?:st|nd|rd|th|\.|er|e|ère|ème|º|ª|°)? $")  # “3rd floor: 301–312”
-_NUMBERED_ONE = re.compile(r"(?<![\w.,:])(\d{3,4})er(?!\w)")  # “der 117er”
-_NUMBER_SIGN = re.compile(r"(?<!\w)(?:n\.? ?°|n\.?[or]s?\.?) ?(?=\d)")  # “n° 4”, “n.º 4” as cleaned, “Nr. 4”
-_ZEROS_IN_WORDS = re.compile(r"(?<=[a-z])0+(?=[a-z])|(?<![a-z\d])0(?=[a-z]{2})")
-_LETTER_APART = re.compile(r"(?<![^\W_])a (?=\d{2,4}(?!\w))")
-_TOKEN = re.compile(r"(?<![a-z\d])(?=[a-z.-]*\d|\d)[a-z\d]+(?:[.-][a-z\d]+)*(?![a-z\d])")
-_LEADING_ZEROS = re.compile(r"(?<=[a-z][-.])[0o]+(?=\d)")  # C-O3 is asked for as C-3
+_ORDINAL_BEFORE = standing(r"\d(?:st|nd|rd|th|\.|er|e|ère|ème|º|ª|°)? $")  # “3rd floor: 301–312”
+_NUMBERED_ONE = standing(r"(?<![\w.,:])(\d{3,4})er(?!\w)")  # “der 117er”
+_NUMBER_SIGN = standing(r"(?<!\w)(?:n\.? ?°|n\.?[or]s?\.?) ?(?=\d)")  # “n° 4”, “n.º 4” as cleaned, “Nr. 4”
+_ZEROS_IN_WORDS = standing(r"(?<=[a-z])0+(?=[a-z])|(?<![a-z\d])0(?=[a-z]{2})")
+_LETTER_APART = standing(r"(?<![^\W_])a (?=\d{2,4}(?!\w))")
+_TOKEN = standing(r"(?<![a-z\d])(?=[a-z.-]*\d|\d)[a-z\d]+(?:[.-][a-z\d]+)*(?![a-z\d])")
+_LEADING_ZEROS = standing(r"(?<=[a-z][-.])[0o]+(?=\d)")  # C-O3 is asked for as C-3
 _ALIKE = str.maketrans("oilzsb", "011258", ".- ")
-_LAST_LETTER = re.compile(r"(?<=[^\W\d_] )[A-Z]$")
-_LETTERED = re.compile(r"\d{1,4}[a-z]")
-_UNSPACED_ALONE = re.compile("[〇零一二三四五六七八九十百]{1,5}|[영공일이삼사오육칠팔구십백]{1,5}")
-_LETTER_ALONE = re.compile(r"(?<!\w)[b-z] $")
-_HOW_MANY = re.compile(rf"(?<!\w)(?:{_AMOUNTS['how many']}) \d+")  # “a gift for 20”
-_AFTER_POINT = re.compile(r"\w\.$")
+_LAST_LETTER = standing(r"(?<=[^\W\d_] )[A-Z]$")
+_LETTERED = standing(r"\d{1,4}[a-z]")
+_UNSPACED_ALONE = standing("[〇零一二三四五六七八九十百]{1,5}|[영공일이삼사오육칠팔구십백]{1,5}")
+_LETTER_ALONE = standing(r"(?<!\w)[b-z] $")
+_HOW_MANY = standing(rf"(?<!\w)(?:{_AMOUNTS['how many']}) \d+")  # “a gift for 20”
+_AFTER_POINT = standing(r"\w\.$")
 
 
 @lru_cache(maxsize=1)
@@ -88,7 +89,7 @@ def _classes() -> tuple[re.Pattern[str], re.Pattern[str], Mapping[str, frozenset
     heads = "|".join(re.escape(word) for word in spaced if len(word) >= _SHORTEST_HEAD)
     # “Stimmräume” are rooms.
     compound = rf"{whole}|(?<=[a-zà-ÿ]{{3}})(?:{heads})(?:{_PLURAL})?(?![a-zà-ÿ])"
-    return re.compile(whole), re.compile(compound), {word: frozenset(names) for word, names in of.items()}
+    return standing(whole), standing(compound), {word: frozenset(names) for word, names in of.items()}
 
 
 def _named(word: str) -> frozenset[str]:

@@ -18,6 +18,7 @@ from lpslam.language.model import Candidate
 from lpslam.language.signs.repair import Repair
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.lexicon import read_table
+from lpslam.language.tables.patterns import standing
 from lpslam.language.tables.words import UNSPACED_RUN, Folder, is_mark, is_unspaced
 from lpslam.language.wishes.heard import HeardNames, Sounds, beginning, sound_the_same
 
@@ -26,7 +27,7 @@ _LONG = 5  # letters of a word in which a slip is forgiven
 _STEM, _STEM_SHARE = 5, 0.6  # letters with which words begin alike, at least, and their share of the shorter one
 _LETTERS_A_SLIP = 6  # of a whole name, for each slip that is forgiven in it
 _DIGITS = re.compile(r"\d").findall
-_HANGUL = re.compile("[\uac00-\ud7a3]+")
+_HANGUL = standing("[\uac00-\ud7a3]+")
 _SOUNDS_OF_HANGUL = (("cheu", "tsu"), ("eu", ""), ("eo", "o"), ("l", "r"))
 _KEPT = 256  # words of which it is kept who bears them
 _SHORTEST = 4  # letters of a surname that is known by its sound

@@ -16,6 +16,7 @@ from typing import Any
 from lpslam.language.kept import kept
 from lpslam.language.languages import LATIN
 from lpslam.language.tables.lexicon import read_table
+from lpslam.language.tables.patterns import standing
 
 _ARTICLES = frozenset({"un", "una", "une", "ein", "eine", "einen", "einer"})
 """Numbers that are articles wherever more follows."""
@@ -24,12 +25,12 @@ _LONGEST = 6  # words of a number below a thousand: "quatre cent quatre vingt di
 _LONGEST_GROUP = 3  # words of a number below a hundred: "vingt et un"
 _MOST_DIGITS = 4  # of a number that is said in groups
 _HUNDRED = 100
-_WORD = re.compile(r"[a-zß-ÿœ]+")
-_BROKEN = re.compile(r"[^\w\s-]|_|\d")  # what does not stand within a number
+_WORD = standing(r"[a-zß-ÿœ]+")
+_BROKEN = standing(r"[^\w\s-]|_|\d")  # what does not stand within a number
 _HAN = {ch: at for at, ch in enumerate("〇一二三四五六七八九")} | {"零": 0, "两": 2, "兩": 2}
 _HANGUL = {ch: at for at, ch in enumerate("영일이삼사오육칠팔구")} | {"공": 0}
 _STEPS = {"十": 10, "百": 100, "십": 10, "백": 100}
-_POINT = re.compile(r"(?<!\w)(\w+) (?:point|dot|punkt|punto) (?=(\w+))")
+_POINT = standing(r"(?<!\w)(\w+) (?:point|dot|punkt|punto) (?=(\w+))")
 
 
 @lru_cache(maxsize=1)
@@ -132,7 +133,7 @@ def _ordinals() -> Mapping[str, int]:
 def digit_ordinal() -> re.Pattern[str]:
     """A pattern of ordinals in digits, of all languages: 3rd, 3., 3e, 3º; group 1 is the number."""
     ends = "|".join(_tables()[language]["suffixes"] for language in LATIN)
-    return re.compile(rf"(?<![\w.-])(\d{{1,3}})(?:{ends})(?= )")
+    return standing(rf"(?<![\w.-])(\d{{1,3}})(?:{ends})(?= )")
 
 
 @lru_cache(maxsize=1)
@@ -154,7 +155,7 @@ def _letters(table: str) -> tuple[re.Pattern[str], Mapping[str, str]]:
     spoken = {form for language in LATIN for forms in _words(_tables()[language]["ones"]) for form in forms}
     spoken |= {form for language in LATIN for forms in _words(_tables()[language]["tens"]) for form in forms}
     number = "|".join(sorted(spoken, key=len, reverse=True))
-    return re.compile(rf"(?<!\w)({'|'.join(named)})(?= (?:\d|(?:{number})\b))"), named
+    return standing(rf"(?<!\w)({'|'.join(named)})(?= (?:\d|(?:{number})\b))"), named
 
 
 def with_letters(folded: str, follows: Callable[[str, int], bool]) -> str:
@@ -179,7 +180,7 @@ def _unspaced_letters() -> tuple[re.Pattern[str], Mapping[str, str]]:
     joined = _tables()["letters of unspaced scripts"]
     named = {name: letter for letter, names in joined.items() for name in names.split("|")}
     names = "|".join(sorted(named, key=len, reverse=True))
-    return re.compile(rf"(?<=[가-힣ァ-ヴー一-龥] )(?:{names})(?=$|[^가-힣ァ-ヴー]|[은는이가을를에로]|으로|까지)"), named
+    return standing(rf"(?<=[가-힣ァ-ヴー一-龥] )(?:{names})(?=$|[^가-힣ァ-ヴー]|[은는이가을를에로]|으로|까지)"), named
 
 
 def with_unspaced_letters(folded: str, follows: Callable[[str, int], bool]) -> str:

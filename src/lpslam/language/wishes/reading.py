@@ -1,6 +1,5 @@
 """From a question to a `Wish`: one evaluator over the rows of each language's table."""
 
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -10,6 +9,7 @@ from lpslam.language.questions.speaking import languages_of, wish_languages
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.hours import asked_time
 from lpslam.language.tables.knowledge import Knowledge
+from lpslam.language.tables.patterns import standing
 from lpslam.language.tables.words import UNSPACED_RUN, is_mark
 from lpslam.language.wishes.chains import (
     FEWEST_LISTED,
@@ -59,16 +59,16 @@ _MOST_NAMED_WORDS = 7  # of an alternative: longer ones tell of something
 _DEEPEST = 2  # anchors of anchors
 _STANDING = (Relation.NEXT_TO, Relation.OPPOSITE, Relation.LEFT_OF, Relation.RIGHT_OF, Relation.BETWEEN)
 """Relations in which so little stands that they tell a place by themselves."""
-_CLAUSE_END = re.compile(r"(?<=\w)(?:[:：](?=\s|[^\x00-\u2fff])|[.;](?=\s)|。)")  # it parts clauses as a comma does
-_LAST_CLAUSE = re.compile(r"^(.*)[,，、](.*?)$")
-_SIGHS = re.compile("[\u1100-\u11ff\u3131-\u318e]+")  # ㅠㅠ, ㅋㅋ: letters of Hangul that make no syllable
-_TITLE = re.compile(r"\b(Dr|Dra|Prof|Mrs?|Ms|Sra?|Mme|St|med)\. ")  # its point ends no clause
-_LATIN = re.compile("[A-Za-z]")
-_GLOSS = re.compile(r"[\d\u3040-\u30ff\u3400-\u9fff\uac00-\ud7a3]+\s*\(((?=[^)]*[a-z])[A-Z][A-Za-z\d .&'’-]*)\)")
+_CLAUSE_END = standing(r"(?<=\w)(?:[:：](?=\s|[^\x00-\u2fff])|[.;](?=\s)|。)")  # it parts clauses as a comma does
+_LAST_CLAUSE = standing(r"^(.*)[,，、](.*?)$")
+_SIGHS = standing("[\u1100-\u11ff\u3131-\u318e]+")  # ㅠㅠ, ㅋㅋ: letters of Hangul that make no syllable
+_TITLE = standing(r"\b(Dr|Dra|Prof|Mrs?|Ms|Sra?|Mme|St|med)\. ")  # its point ends no clause
+_LATIN = standing("[A-Za-z]")
+_GLOSS = standing(r"[\d\u3040-\u30ff\u3400-\u9fff\uac00-\ud7a3]+\s*\(((?=[^)]*[a-z])[A-Z][A-Za-z\d .&'’-]*)\)")
 """“2号拍卖场(Sale Ring 2)”: a name in brackets, in another script, is what the board says."""
-_LAST_CODE = re.compile(r"(?<![^\W\d_])(?<!\d)(?:[A-Z]|\d+[A-Z]?)$")
-_BARE_CODE = re.compile(r"(?:(?:the|la|el|le|der|die|das|dem|den) )?([A-Z]|\d+[A-Z]?)")
-_POSSESSIVE = re.compile(r"['’]s?$")
+_LAST_CODE = standing(r"(?<![^\W\d_])(?<!\d)(?:[A-Z]|\d+[A-Z]?)$")
+_BARE_CODE = standing(r"(?:(?:the|la|el|le|der|die|das|dem|den) )?([A-Z]|\d+[A-Z]?)")
+_POSSESSIVE = standing(r"['’]s?$")
 
 
 def read_wish(question: str, knowledge: Knowledge) -> Wish:

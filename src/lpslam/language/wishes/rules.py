@@ -13,11 +13,11 @@ from typing import Any
 
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.lexicon import read_table
-from lpslam.language.tables.patterns import keep_ready, ready
+from lpslam.language.tables.patterns import keep_ready, ready, standing
 from lpslam.language.wishes.form import Ask, Which
 from lpslam.language.wishes.numerals import ordinals
 
-_NAMED = re.compile(r"(?<!\(\?P)<(\w+)>")
+_NAMED = standing(r"(?<!\(\?P)<(\w+)>")
 LONGEST = 400  # letters of a question
 _ENDS = " .。!！?？,，、;；¿¡"
 _CASED = "(?-i:"  # a pattern with it heeds case in part
@@ -30,15 +30,15 @@ _ANY_CASE = re.IGNORECASE
 _DEEPEST = 3  # parts within parts
 ALIKE = 0.9  # of the best score: what serves what is refused, or what is left of what is wanted, as well
 LEAST_REFUSED = 0.4  # probability that a place is what is refused, from which it is left out
-_EACH = re.compile(
+_EACH = standing(
     r"[,，、;] ?|(?<![何誰])でも|(?: |^)(?:ni|nor|or|noch|und|oder|et|ou|y|o|and)(?: |$)"
     r"|(?<=[^、,])和(?![食室式風菓服])|[或とや]|也(?=不|别)|(?:이나|하고) "
 )
-_CAPITAL = re.compile(r"(?<![^\W_\u2e80-\uffff])[A-Z](?![^\W_\u2e80-\uffff]|['’])")
+_CAPITAL = standing(r"(?<![^\W_\u2e80-\uffff])[A-Z](?![^\W_\u2e80-\uffff]|['’])")
 _BRIEF = 9  # letters of what is refused by a letter alone: “el A no”
 _PART_ENDS = " .。!！?？,，、;；:"
 ALL_REFUSED = "all that serves is refused"
-_NO = re.compile(read_table("patterns.json")["no"])
+_NO = standing(read_table("patterns.json")["no"])
 """A negation said once more: “nothing frozen and nothing with gluten”."""
 
 

@@ -12,13 +12,13 @@ from lpslam.language.questions.wanted import Wish as Meaning
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.lexicon import read_table
-from lpslam.language.tables.patterns import keep_ready, ready
+from lpslam.language.tables.patterns import keep_ready, ready, standing
 from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.form import Ask, Stop, Which
 
 _ANY_SORT = frozenset({"shop", "business", "place"})
 _FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it, at least
-_NUMBERED = re.compile(r"[\d.,–~-]*\d[\d.,–~-]*|(?<![^\W\d_])[A-Za-z](?![^\W\d_])")
+_NUMBERED = standing(r"[\d.,–~-]*\d[\d.,–~-]*|(?<![^\W\d_])[A-Za-z](?![^\W\d_])")
 _MUCH_OF_A_FAMILY = 0.25  # of all landmarks: fewer aisles of goods are shops of a mall
 _FIRST_OF_ALL = 0.9  # of a kind that a place is, not one that is had there as well
 

@@ -12,6 +12,7 @@ from lpslam.language.questions.phrasing import phrases_in
 from lpslam.language.signs.distrust import commands
 from lpslam.language.signs.hours import Hours, board_hours, told_hours
 from lpslam.language.tables.lexicon import read_table
+from lpslam.language.tables.patterns import standing
 from lpslam.language.wishes.form import Ask, Stop
 from lpslam.language.wishes.served import Served
 
@@ -75,7 +76,7 @@ def barred(landmarks: Sequence[Candidate]) -> frozenset[int]:
 def _barring() -> re.Pattern[str]:
     said: dict[str, str] = read_table("wishes/barred.json")
     rows = (rf"(?<!\w)(?:{row})" if language in LATIN else row for language, row in said.items())
-    return re.compile("|".join(rows), re.IGNORECASE)
+    return standing("|".join(rows), re.IGNORECASE)
 
 
 class Opening:
