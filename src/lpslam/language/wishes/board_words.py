@@ -258,6 +258,7 @@ class BoardWords:
             or dict.fromkeys(self._said.own(text), _NAMED)
             or self._by_letters(text)
             or self._by_some(text, meaning)
+            or self._names.aloud(text)
         )
 
     def _by_letters(self, text: str) -> dict[int, float]:

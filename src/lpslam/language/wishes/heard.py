@@ -14,6 +14,7 @@ from lpslam.language.tables.lexicon import read_table
 
 _CONSONANTS = 4  # of a name that is known by them even where other words of the question are not heard
 _SOUNDS_ALIKE, _SPELT_ALIKE = 80.0, 0.55  # of many consonants, and of all letters, of names that sound the same
+_MANY, _MANY_ALIKE = 5, 0.4  # consonants that are the same in their order tell a name whatever its vowels, nearly
 _WORDS_ALIKE = 0.72  # of all letters of what is heard in common words
 _FEW_ALIKE = 0.8  # of all letters of names of fewer consonants, which must be the same
 _FEWEST = 3  # letters of a word that is heard
@@ -122,7 +123,8 @@ class HeardNames:
             # Other scripts spell the same consonants with vowels of their own.
             is_same = other == sought and not is_few and load_words().isdisjoint(run)
             is_long = len(rows[at][0]) >= _LEAST_LONG * len(sound)
-            enough = min(enough, _SPELT_ALIKE) if is_same else enough if is_long else 1.0
+            same = _MANY_ALIKE if len(sought) >= _MANY else _SPELT_ALIKE
+            enough = min(enough, same) if is_same else enough if is_long else 1.0
             if alike >= enough and (is_all or (is_own and len(other) >= _CONSONANTS)):
                 found[id_] = max(alike, found.get(id_, 0.0))
         return found

@@ -20,6 +20,8 @@ from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.patterns import standing
 from lpslam.language.tables.words import UNSPACED_RUN, Folder, is_mark, is_unspaced
+from lpslam.language.wishes.aloud import Sounds as AloudSounds
+from lpslam.language.wishes.aloud import named_aloud, sounds_of
 from lpslam.language.wishes.heard import HeardNames, Sounds, beginning, sound_the_same
 
 _FAR = 9  # letters of a word in which two slips are forgiven
@@ -220,6 +222,18 @@ class Names:
 
         texts = (line.text for line in names.values())
         return HeardNames(list(names), kept_of_boards("sounds", len(names), texts, made))
+
+    def aloud(self, text: str) -> dict[int, float]:
+        """Return the one landmark whose name a text spells by its sound alone: ほしあかり, 星あかり."""
+        found = named_aloud(text, self._aloud)
+        return {id_: 1.0 for at, id_ in enumerate(self._words) if at in found} if found else {}
+
+    @cached_property
+    def _aloud(self) -> AloudSounds:
+        names = [lines[0] for lines in self._words.values()]
+        texts = [line.text for line in names]
+        runs = map(UNSPACED_RUN.findall, texts)
+        return dict(kept_of_boards("aloud", len(names), texts, lambda: sounds_of(runs)))
 
     def persons(self, name: str) -> list[int]:
         """Landmarks whose board bears a person's name: all words of it, the surname in another script, or its sound."""
