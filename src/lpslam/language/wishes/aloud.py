@@ -76,15 +76,14 @@ def sounds_of(names: Iterable[Sequence[str]]) -> Sounds:
 
 def named_aloud(text: str, sounds: Sounds) -> set[int]:
     """Return the one name, else none, that a text spells by its sound; the longest where there are more."""
-    said: dict[str, str] = {}
-    for hit in _SAID_IN_KANA.finditer(text):
-        said |= {_in_latin(each): each for each in _parts(hit.group(), 3)}
-    words = _WORD.findall(text)
-    for each in _parts(words, 1, _MOST_WORDS):
-        said[_in_latin("".join(each))] = "".join(each)
+    said: set[str] = set()
+    for hit in _SAID_IN_KANA.finditer(text) if sounds else ():
+        said |= {_in_latin(hit.group()[part]) for part in _parts(len(hit.group()), 3)}
+    words = _WORD.findall(text) if sounds else []
+    said |= {_in_latin("".join(words[part])) for part in _parts(len(words), 1, _MOST_WORDS)}
     by_sound = {key: sounds[key] for key in said if len(key) >= _FEWEST_LETTERS and key in sounds}
     for hit in _SAID_IN_HAN.finditer(text):
-        for part in _parts(hit.group(), 2):
+        for part in map(hit.group().__getitem__, _parts(len(hit.group()), 2)):
             alike = [(at, run) for at, run in sounds.get(_pinyin(part), ()) if _is_nearly(part, run)]
             by_sound |= {_pinyin(part): alike} if alike else {}
     longest = max(map(len, by_sound), default=0)
@@ -92,9 +91,8 @@ def named_aloud(text: str, sounds: Sounds) -> set[int]:
     return found if len(found) == 1 else set()
 
 
-def _parts(whole: Sequence[str], least: int, most: int = _MOST_LETTERS) -> Iterator[Sequence[str]]:
-    length = len(whole)
-    return (whole[at:end] for at in range(length) for end in range(at + least, min(length, at + most) + 1))
+def _parts(length: int, least: int, most: int = _MOST_LETTERS) -> Iterator[slice]:
+    return (slice(at, end) for at in range(length) for end in range(at + least, min(length, at + most) + 1))
 
 
 def _is_nearly(part: str, run: str) -> bool:
