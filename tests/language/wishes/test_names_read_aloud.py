@@ -34,13 +34,17 @@ def test_what_only_begins_so_is_another_name(model: OfflineModel, question: str,
 
 
 def test_of_two_that_sound_so_none_is_told() -> None:
-    sounds = sounds_of([("白鳥の間",), ("はくちょう",), ("白鳥",)])
+    sounds = sounds_of([("白鳥の間",), ("伯調",), ("白鳥",)])
     assert named_aloud("はくちょうはどこ", sounds) == set()
     assert named_aloud("はくちょうのまはどこ", sounds) == {0}
 
 
 def test_another_character_of_another_sound_is_another_name() -> None:
     assert named_aloud("明月厅怎么走", sounds_of([("明德厅",)])) == set()
+
+
+def test_words_of_kana_alone_are_no_names() -> None:
+    assert named_aloud("サウナの後に冷たい水に入りたい", sounds_of([("サウナ",), ("水風呂",)])) == set()
 
 
 def test_a_name_of_very_many_readings_is_left_to_its_characters() -> None:

@@ -62,14 +62,13 @@ def _pinyin(run: str) -> str:
 
 
 def sounds_of(names: Iterable[Sequence[str]]) -> Sounds:
-    """Return how the runs of unspaced characters of each name sound, in Japanese where any name has kana."""
+    """Return how the runs of each name that have Chinese characters sound, in Japanese where any name has kana."""
     every = list(names)
     is_japanese = any(_KANA.search(run) for runs in every for run in runs)
     found: Sounds = {}
     for at, runs in enumerate(every):
-        for run in runs:
-            read = {*_spoken(run)} if is_japanese else set()
-            for sound in read | ({_pinyin(run)} if _HAN.search(run) else set()):
+        for run in filter(_HAN.search, runs):
+            for sound in {_pinyin(run), *(_spoken(run) if is_japanese else ())}:
                 found.setdefault(sound, []).append((at, run))
     return found
 
