@@ -1,6 +1,7 @@
 """Folders of pictures as people lay them: what they hold tells which is which, and what belongs together."""
 
 import json
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -216,3 +217,26 @@ def test_a_list_that_makes_no_sense_changes_nothing(tmp_path: Path, name: str, t
     write(tmp_path, *NUMBERED)
     (tmp_path / name).write_text(text)
     is_what_was_written(tmp_path, np.arange(FRAMES) / 30)
+
+
+def test_times_of_no_clock_are_one_line(tmp_path: Path) -> None:
+    write(tmp_path, *NUMBERED)
+    (tmp_path / "times.txt").write_text("".join(f"{number + 1}e307\n" for number in range(FRAMES)))
+    with pytest.raises(UserError, match="of no clock"):
+        open_source(tmp_path)
+
+
+def test_numbers_of_another_kind_count_nothing(tmp_path: Path) -> None:
+    write(tmp_path, *NUMBERED)
+    lines = [f"{number} {time}\n" for number, time in zip("⁰¹²³⁴⁵", TIMES, strict=True)]
+    (tmp_path / "times.txt").write_text("".join(lines))
+    is_what_was_written(tmp_path)
+
+
+@pytest.mark.parametrize("table", ["1.5," * 100_000, "7 7\n" * 150_000], ids=["wide", "long"])
+def test_a_table_of_something_else_takes_no_time(tmp_path: Path, table: str) -> None:
+    write(tmp_path, *NUMBERED)
+    (tmp_path / "odd.csv").write_text(f"{table}\n" * (9 if "," in table else 1))
+    begun = time.process_time()
+    assert open_source(tmp_path).timestamps == pytest.approx(np.arange(FRAMES) / 30)
+    assert time.process_time() - begun < 2.0

@@ -30,6 +30,15 @@ HOSTILE = {
     "time": "fx: !!timestamp x\n",
     "whole": "!!int x: y\n",
     "long": "x: 1\n" * 100_000,
+    "blank": "\n" * 60_000,
+    "per unit": "depth_mm_per_unit: " + "9" * 400 + "\n",
+    "lens": "distortion_model: inverse brown conrady\ndistortion: [1.0e+200, 1.0, 1.0, 1.0, 1.0, 1.0]\n",
+}
+HOSTILE_JSON = {
+    "deep": '{"a":' * 900 + "1" + "}" * 900,
+    "lists": "[" * 900 + "]" * 900,
+    "transform": "[" + "9" * 400 + ", 0" * 11 + "]",
+    "matrix": "[" + ", ".join(["9" * 400] * 9) + "]",
 }
 
 
@@ -46,6 +55,25 @@ def test_yaml_that_is_made_to_hurt_is_one_line(tmp_path: Path, text: str) -> Non
     with suppress(UserError):
         read_calibration(path, image_size=None, default_depth_scale=1000.0)
     assert time.process_time() - begun < 5.0, "a file of half a page takes no minute"
+
+
+@pytest.mark.parametrize(
+    "name", ["more", "color_from_depth", "K", "depth_mm_per_unit", "distortion", "a." * 5000 + "a"]
+)
+@pytest.mark.parametrize("value", HOSTILE_JSON.values(), ids=HOSTILE_JSON)
+def test_json_that_is_made_to_hurt_is_one_line(tmp_path: Path, name: str, value: str) -> None:
+    path = tmp_path / "camera.json"
+    path.write_text(f'{{"{name}": {value}, "fx": 60, "fy": 60, "cx": 32, "cy": 24, "width": 64, "height": 48}}')
+    with suppress(UserError):
+        read_calibration(path, image_size=None, default_depth_scale=1000.0)
+
+
+def test_numbers_of_azure_kinect_that_are_none_are_one_line(tmp_path: Path) -> None:
+    parameters = "[" + ", ".join(["9" * 400] * 14) + "]"
+    cameras = f'[{{"Location": "CALIBRATION_CameraLocationPV0", "Intrinsics": {{"ModelParameters": {parameters}}}}}]'
+    path = _written(tmp_path / "camera.json", f'{{"CalibrationInformation": {{"Cameras": {cameras}}}}}')
+    with pytest.raises(UserError):
+        read_calibration(path, image_size=(64, 48), default_depth_scale=1000.0)
 
 
 def _written(path: Path, text: str) -> Path:

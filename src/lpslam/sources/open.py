@@ -121,6 +121,8 @@ FORMATS = (
 _ANY_FOLDER = FORMATS[-1]
 """What is tried last, where no layout is known."""
 _MILLIMETRES = 1000.0
+_LATEST = 1e11
+"""Seconds: 3,000 years, and more than any clock says."""
 BAGS = "a ROS bag (.bag, .db3, .mcap)"
 
 
@@ -242,6 +244,8 @@ def _opened(
 
 def _scaled(source: RecordedSource, checks: CalibrationCheckConfig) -> RecordedSource:
     """The recording with the depth scale that its depth tells, where nothing states another that is possible."""
+    if not (np.abs(source.timestamps) < _LATEST).all():
+        raise UserError(f"{source.name}: its times are of no clock; give seconds, or what can be converted to them")
     if not isinstance(source, ImagePairSource):
         return source
     refuse_other_encodings(source, checks.encoding)

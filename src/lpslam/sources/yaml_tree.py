@@ -1,6 +1,7 @@
 """YAML or JSON as a tree of lower-case keys, whoever wrote it: OpenCV's dialect and dotted keys included."""
 
 import json
+import math
 import re
 from pathlib import Path
 from typing import Any
@@ -32,6 +33,10 @@ CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])")
 """Where a word begins within a name."""
 _MOST_LISTED = 64
 """Cameras and the like; a longer list is one of frames."""
+_DEEPEST = 50
+"""Mappings within mappings, those that dots in a key lead into included; no calibration has as many."""
+_LARGEST = 1e300
+"""A whole number beyond it is infinite: what computes with it has no more room."""
 
 
 def yaml_tree_of(text: str, path: Path, what: str) -> Tree:
@@ -46,10 +51,13 @@ def yaml_tree_of(text: str, path: Path, what: str) -> Tree:
         UserError: the text is no YAML mapping.
     """
     if (tree := _json_of(text)) is not None:
-        return lower(tree)
+        try:
+            return lower(tree)
+        except ValueError as error:
+            raise UserError(f"{what} {path} cannot be read: {error}") from error
     # OpenCV writes "%YAML:1.0", which is not YAML, and reads "key:1" without a space.
     text = re.sub(r"\A\s*%YAML.*\n(?:---.*\n)?", "", text)
-    text = re.sub(r"(?m)^(\s*[A-Za-z_][\w.]*):(?=[-+.\d\[\"])", r"\1: ", text)
+    text = re.sub(r"(?m)^([ \t]*[A-Za-z_][\w.]*):(?=[-+.\d\[\"])", r"\1: ", text)
     try:
         tree = yaml_of(text, _LenientLoader)
         if isinstance(tree, dict):
@@ -68,27 +76,41 @@ def _json_of(text: str) -> Tree | None:
     return tree if isinstance(tree, dict) else None
 
 
-def lower(tree: dict[Any, Any]) -> Tree:
-    """The tree with lower-case keys; dots in a key lead into mappings, and short lists of mappings are mappings."""
+def lower(tree: dict[Any, Any], depth: int = 0) -> Tree:
+    """The tree with lower-case keys; dots in a key lead into mappings, and short lists of mappings are mappings.
+
+    Raises:
+        ValueError: it is nested too deeply.
+    """
     lowered: Tree = {}
     for key, value in tree.items():
         *sections, name = CAMEL.sub("_", str(key)).lower().split(".")
+        level = depth + len(sections) + 1
+        if level > _DEEPEST:
+            raise ValueError("it is nested too deeply")
         inner = lowered
         for section in sections:
             child = inner.get(section)
             if not isinstance(child, dict):
                 child = inner[section] = {}
             inner = child
-        inner[name] = lower(value) if isinstance(value, dict) else _listed(value)
+        inner[name] = _lowered(value, level)
     return lowered
 
 
-def _listed(value: Any) -> Any:
-    """A list of mappings, or of names and mappings, as a mapping; anything else as it is."""
-    if not isinstance(value, list) or not 0 < len(value) <= _MOST_LISTED:
+def _lowered(value: Any, depth: int) -> Any:
+    """A mapping in lower case, and what stands for one: a short list of mappings, or of names and mappings."""
+    if isinstance(value, dict):
+        return lower(value, depth)
+    if isinstance(value, int) and abs(value) > _LARGEST:
+        return math.inf if value > 0 else -math.inf
+    if not isinstance(value, list):
         return value
-    if all(isinstance(each, dict) for each in value):
-        return lower({str(index): each for index, each in enumerate(value)})
-    if all(isinstance(each, list) and len(each) == 2 and isinstance(each[1], dict) for each in value):
-        return lower({str(each[0]): each[1] for each in value})
-    return value
+    if depth > _DEEPEST:
+        raise ValueError("it is nested too deeply")
+    if 0 < len(value) <= _MOST_LISTED:
+        if all(isinstance(each, dict) for each in value):
+            return lower({str(index): each for index, each in enumerate(value)}, depth)
+        if all(isinstance(each, list) and len(each) == 2 and isinstance(each[1], dict) for each in value):
+            return lower({str(each[0]): each[1] for each in value}, depth)
+    return [_lowered(each, depth + 1) for each in value]

@@ -24,9 +24,9 @@ def tree_in(picture: PictureFile) -> Tree:
     for key, value in _texts(picture).items():
         try:
             found = json.loads(value)
+            tree[key] = lower(found) if isinstance(found, dict) else found
         except (ValueError, RecursionError):
-            found = value
-        tree[key] = lower(found) if isinstance(found, dict) else found
+            tree[key] = value
     return tree
 
 

@@ -23,6 +23,10 @@ Times = NDArray[np.float64]
 _LISTS = frozenset((".txt", ".csv", ".tsv", ".json", ".jsonl", ".ndjson", ".log", ".lst"))
 _OF_TIME = ("time", "stamp", "sec", "date", "clock")
 _SECONDS, _NANOSECONDS = ("sec", "secs", "seconds"), ("nsec", "nsecs", "nanosec", "nanosecs", "nanoseconds")
+_MOST_ROWS = 100
+"""For each picture; a longer table, as of an inertial sensor, names none."""
+_MOST_COLUMNS = 1000
+"""Of a list of pictures; what has more is a table of something else."""
 _MOST = 0.8
 """Share of a list's rows that must name pictures of a series, or times."""
 
@@ -117,7 +121,7 @@ def _take_in_order(tables: Sequence[Table], pictures: tuple[PictureFile, ...], f
 def _by_number(table: Table, seconds: Times) -> dict[int | None, float]:
     for index in range(min(table.width, 3)):
         cells = table.column(index)
-        if all(cell.isdigit() and len(cell) < 10 for cell in cells) and len(set(cells)) == len(cells):
+        if all(cell.isdecimal() and len(cell) < 10 for cell in cells) and len(set(cells)) == len(cells):
             return {int(cell): float(time) for cell, time in zip(cells, seconds, strict=True)}
     return {}
 
@@ -128,6 +132,8 @@ def _columns(
     """The columns that name pictures, those of the first series first: for each row the picture, if it names one."""
     columns: dict[int, list[PictureFile | None]] = {}
     for pictures in series:
+        if len(table.rows) > _MOST_ROWS * len(pictures):
+            continue
         by_name: dict[str, PictureFile] = {}
         for picture in pictures:
             parts = [part.lower() for part in picture.parts]
@@ -270,6 +276,8 @@ def _of_lines(text: str) -> Table | None:
         )
     except csv.Error:
         return None
+    if max(map(len, rows)) > _MOST_COLUMNS:
+        return None
     rows = [[cell.strip().strip("\"'") for cell in row if mark or cell] for row in rows]
     is_named = not any(_numeric([cell]) is not None for cell in rows[0]) and any(
         _numeric([cell]) is not None for cell in rows[1]
@@ -292,6 +300,8 @@ def _of_json(text: str) -> list[Table | None]:
         return []
     rows = [_flat(each) for each in lists]
     names = tuple(rows[0])
+    if len(names) > _MOST_COLUMNS:
+        return []
     return [Table(names, [[row.get(name, "") for name in names] for row in rows])]
 
 

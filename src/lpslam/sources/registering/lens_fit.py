@@ -59,6 +59,7 @@ def five_of(model: str, d: Sequence[float], size: tuple[int, int], matrix: Matri
     return five, off
 
 
+@np.errstate(all="ignore")
 def fitted_rational(k: Sequence[float], size: tuple[int, int], focal: Matrix) -> tuple[Five, float]:
     """Fit k1, k2, p1, p2, k3 to OpenCV's rational model.
 
@@ -87,6 +88,7 @@ def fitted_rational(k: Sequence[float], size: tuple[int, int], focal: Matrix) ->
     return _fitted(_inverted(distorted, raw), raw, focal)
 
 
+@np.errstate(all="ignore")
 def fitted_inverse(k: Sequence[float], size: tuple[int, int], focal: Matrix) -> tuple[Five, float]:
     """Fit k1, k2, p1, p2, k3 to the same model run backwards, from raw rays to ideal ones, as RealSense states it.
 
@@ -128,14 +130,14 @@ def _inverted(distorted: Callable[[Array], Array], raw: Array) -> Array:
 
 def _fitted(ideal: Array, raw: Array, focal: Matrix) -> tuple[Five, float]:
     """The model is linear in its five numbers."""
-    if not np.isfinite(ideal).all():
-        return (0.0, 0.0, 0.0, 0.0, 0.0), np.inf
     x, y = ideal.T
     r2 = x * x + y * y
     across = np.column_stack([x * r2, x * r2**2, 2 * x * y, r2 + 2 * x * x, x * r2**3])
     down = np.column_stack([y * r2, y * r2**2, r2 + 2 * y * y, 2 * x * y, y * r2**3])
     system = np.vstack([across, down])
     offset = (raw - ideal).T.ravel()
+    if not np.isfinite(system).all() or not np.isfinite(offset).all():
+        return (0.0, 0.0, 0.0, 0.0, 0.0), np.inf
     terms = np.linalg.lstsq(system, offset, rcond=None)[0]
     off = (system @ terms - offset).reshape(2, -1) * np.array([[focal[0]], [focal[1]]])
     five = tuple(float(term) for term in terms)

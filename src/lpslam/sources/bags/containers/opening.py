@@ -61,7 +61,7 @@ def _parts(folder: Path) -> list[Path]:
     # What was unpacked already may lie beside what it came from.
     plain = {path.name.lower() for path in found}
     found = [path for path in found if _bare(path.name) == path.name.lower() or _bare(path.name) not in plain]
-    return sorted(found, key=lambda path: [int(word) if word.isdigit() else word for word in _words(path.name)])
+    return sorted(found, key=lambda path: [int(word) if word.isdecimal() else word for word in _words(path.name)])
 
 
 def _bare(name: str) -> str:
