@@ -272,7 +272,7 @@ def eight_bits_of_depth(folder: Path) -> Path:
         (pickled, "objects of Python"),
         (pickled_picture, "is no recording"),
         (linked_elsewhere, "is a file"),
-        (boundless, "unpacks to more"),
+        (boundless, "claims to hold"),
         (cut_off, "no arrays that can be read"),
         (no_arrays, "no arrays that can be read"),
         (a_playlist, "is no video"),

@@ -5,6 +5,7 @@ import stat
 import warnings
 import zipfile
 import zlib
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -29,7 +30,9 @@ MOST_PIXELS = 64_000_000
 """More than any depth camera has; what unpacks to more is made to fill the memory."""
 _MOST_BYTES = 1 << 30
 """Of an image's file."""
-_TOO_LARGE = "larger than any camera's pictures"
+TOO_LARGE = "larger than any camera's pictures"
+_OF_SIZE = (MemoryError, OverflowError, RuntimeError, NotImplementedError, TypeError)
+"""What a header that states more than there can be, or an archive that is packed in another way, may raise besides."""
 
 
 class BadImageError(LpSlamError):
@@ -110,10 +113,15 @@ def _array_in(data: bytes, name: str) -> NDArray[Any]:
     """A picture that numpy has written: of several arrays in a file the first that is one."""
     try:
         found = np.load(io.BytesIO(data), allow_pickle=False)
-        arrays = [found] if isinstance(found, np.ndarray) else [found[key] for key in found.files]
-    except (OSError, ValueError, EOFError, zlib.error, zipfile.BadZipFile, KeyError) as error:
+        if isinstance(found, np.ndarray):
+            arrays = iter([found])
+        else:
+            sizes = {each.filename.removesuffix(".npy"): each.file_size for each in found.zip.infolist()}
+            # A few bytes may unpack to gigabytes.
+            arrays = (found[key] for key in found.files if sizes.get(key, 0) <= _MOST_BYTES)
+        picture = next((np.squeeze(each) for each in arrays if np.squeeze(each).ndim in (2, 3)), None)
+    except (OSError, ValueError, EOFError, zlib.error, zipfile.BadZipFile, KeyError, *_OF_SIZE) as error:
         raise BadImageError(f"{name} is no array that numpy can read") from error
-    picture = next((np.squeeze(each) for each in arrays if np.squeeze(each).ndim in (2, 3)), None)
     if picture is None or picture.size > MOST_PIXELS or picture.dtype.kind not in "uif":
         raise BadImageError(f"{name} holds no picture")
     return picture
@@ -132,22 +140,30 @@ def _of_exr(path: Path) -> NDArray[Any]:
         corners = header["dataWindow"]
         width, height = corners.max.x - corners.min.x + 1, corners.max.y - corners.min.y + 1
         if not 0 < width * height <= MOST_PIXELS:
-            raise BadImageError(f"{path.name} is {_TOO_LARGE}")
+            raise BadImageError(f"{path.name} is {TOO_LARGE}")
         kinds = {name: _EXR_TYPES[str(each.type)] for name, each in header["channels"].items() if each.xSampling == 1}
+        # Of many channels, each as large as the picture, those that are wanted are unpacked.
         channels = {
-            name: np.frombuffer(file.channel(name), kind).reshape(height, width) for name, kind in kinds.items()
+            name: np.frombuffer(file.channel(name), kinds[name]).reshape(height, width) for name in _wanted(kinds)
         }
         file.close()
     except (RuntimeError, ValueError, OSError, TypeError, KeyError, AttributeError) as error:
         raise BadImageError(f"{path.name} is not an image that can be decoded") from error
     if not channels:
         raise BadImageError(f"{path.name} holds no picture")
-    if {"R", "G", "B"} <= set(channels) and not any(name.lower().startswith(("z", "depth")) for name in channels):
-        colours = [channels[name] for name in "RGB"]
+    colours = list(channels.values())
+    if len(colours) > 1:
         is_grey = all(np.array_equal(colours[0], each) for each in colours[1:])
         return colours[0] if is_grey else np.stack(colours, axis=-1)
-    chosen = min(channels, key=lambda name: (not name.lower().startswith(("z", "depth")), name))
-    return channels[chosen].astype(np.float32) if channels[chosen].dtype.kind != "f" else channels[chosen]
+    return colours[0].astype(np.float32) if colours[0].dtype.kind != "f" else colours[0]
+
+
+def _wanted(channels: Collection[str]) -> list[str]:
+    """Of a picture's channels the one of depth, or the three of colour; the first where neither is there."""
+    depths = sorted(name for name in channels if name.lower().startswith(("z", "depth")))
+    if not depths and {"R", "G", "B"} <= set(channels):
+        return ["R", "G", "B"]
+    return depths[:1] or sorted(channels)[:1]
 
 
 def image_size(path: PictureFile) -> tuple[int, int] | None:
@@ -216,11 +232,11 @@ def image_defect(data: bytes) -> str:
     try:
         width, height = _size_in_header(io.BytesIO(data))
     except Image.DecompressionBombError:
-        return _TOO_LARGE
+        return TOO_LARGE
     except (OSError, ValueError):
         # Whether it can be decoded is its decoder's to say.
         return ""
-    return _TOO_LARGE if width * height > MOST_PIXELS else ""
+    return TOO_LARGE if width * height > MOST_PIXELS else ""
 
 
 def _size_in_header(file: Path | BinaryIO) -> tuple[int, int]:
@@ -235,7 +251,7 @@ def _png_defect(data: bytes) -> str:
     view, start = memoryview(data), len(_PNG_SIGNATURE)
     # The header is the first part: its length and name, then width and height.
     if int.from_bytes(view[16:20], "big") * int.from_bytes(view[20:24], "big") > MOST_PIXELS:
-        return _TOO_LARGE
+        return TOO_LARGE
     while start + 12 <= len(data):
         end = start + 12 + int.from_bytes(view[start : start + 4], "big")
         if end > len(data):

@@ -7,6 +7,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.errors import UserError
+
 
 class Holder(Protocol):
     """A file that holds pictures of one kind.
@@ -63,6 +65,16 @@ class Inside:
     def __str__(self) -> str:
         """As a path is written."""
         return f"{self.holder.path}/{self.index}"
+
+
+_MOST_PICTURES = 1_000_000
+"""In one file: nine hours at thirty a second."""
+
+
+def refuse_many(path: Path, count: int) -> None:
+    """Raise a `UserError` where a file says that it has more pictures than any recording: each is listed."""
+    if count > _MOST_PICTURES:
+        raise UserError(f"{path} claims to hold {count:,} pictures, more than any recording; cut it, or copy it again")
 
 
 PictureFile = Path | Inside

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from lpslam.errors import UserError
+from lpslam.regular_files import is_regular
 from lpslam.sources.captures.chunks import tree_in
 from lpslam.sources.captures.holders import bare, pages, videos
 from lpslam.sources.captures.holders.arrays import SUFFIXES, Arrays, arrays_of, arrays_of_many
@@ -80,7 +81,8 @@ class Pictures:
     def files(self) -> list[Path]:
         """Files that may be pictures, lists or calibrations; hidden ones and those of archives' makers left out."""
         if self.folder.is_file():
-            return sorted(path for path in self.folder.parent.glob(f"{glob.escape(self.folder.stem)}.*"))
+            beside = self.folder.parent.glob(f"{glob.escape(self.folder.stem)}.*")
+            return sorted(path for path in beside if is_regular(path))
         return sorted(islice(_walk(self.folder, _DEEPEST), _MOST_FILES))
 
     @cached_property
@@ -203,10 +205,11 @@ def _walk(folder: Path, levels: int) -> Iterator[Path]:
         for entry in entries:
             if entry.name.startswith((".", "__MACOSX")):
                 continue
-            if entry.is_file():
-                yield Path(entry.path)
+            path = Path(entry.path)
+            if is_regular(path):
+                yield path
             elif levels and entry.is_dir(follow_symlinks=False):
-                inner.append(Path(entry.path))
+                inner.append(path)
     for each in sorted(inner):
         yield from _walk(each, levels - 1)
 

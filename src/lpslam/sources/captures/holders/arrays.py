@@ -1,32 +1,48 @@
 """Files of arrays: numpy's `.npy`, `.npz`, HDF5 (extra `arrays`), MATLAB's `.mat`, TIFF. None of them is executed."""
 
-import struct
+import math
 import zipfile
-import zlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.config import JobsConfig
 from lpslam.errors import MissingExtraError, UserError
+from lpslam.sources.archives import unpack
 from lpslam.sources.calibrations.bare_numbers import matrix_of
 from lpslam.sources.captures.holders import pages
-from lpslam.sources.captures.holders.stacks import OTHER_WORDS, Entry, Stack, combined, is_picture, stacks_of
+from lpslam.sources.captures.holders.stacks import (
+    MALFORMED,
+    MOST_BYTES,
+    OTHER_WORDS,
+    Entry,
+    Stack,
+    combined,
+    is_picture,
+    stacks_of,
+)
 from lpslam.sources.clocks import in_seconds
 from lpslam.sources.inside import Inside, PictureFile
+from lpslam.sources.unpacked_once import unpacked_once
 from lpslam.sources.yaml_tree import Tree
 
 SUFFIXES = frozenset((".npz", ".npy", ".h5", ".hdf5", ".mat"))
-_MOST_ENTRIES, _MOST_BYTES, _SMALL = 100_000, 1 << 32, 64
+_MOST_ENTRIES, _SMALL, _DEEPEST = 100_000, 64, 50
+_MOST_NUMBERS = 1 << 24
+"""Of matrices that are one for each picture."""
+_LONGEST_TEXT = 8 << 16
+"""Bits."""
+_IN_MEMORY = 1 << 28
+"""Bytes of an array that is unpacked into memory; a larger one is unpacked to the disk."""
 _OF_TIME = ("time", "stamp", "clock", "sec")
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 _HDF5_BEGINS = (0, 512)
 """Bytes at which HDF5 begins; MATLAB writes a header before it."""
-_MALFORMED = (OSError, ValueError, EOFError, KeyError, IndexError, TypeError, RuntimeError, OverflowError, struct.error,
-              zipfile.BadZipFile, zlib.error, NotImplementedError)  # fmt: skip
 
 
 @dataclass(slots=True)
@@ -59,7 +75,7 @@ def arrays_of(path: Path) -> Arrays:
         found.notes = _time(found.stacks, small)
         found.tree = _tree(small)
         return found
-    except _MALFORMED as error:
+    except MALFORMED as error:
         raise UserError(f"{path} holds no arrays that can be read ({_short(error)})") from error
 
 
@@ -80,7 +96,7 @@ def arrays_of_many(paths: Sequence[Path]) -> Arrays:
         found = Arrays(stacks_of(paths[0].parent, [_one_a_file(each, paths) for each in pictures]))
         found.tree = _tree([each for each in first if each not in pictures])
         return found
-    except _MALFORMED as error:
+    except MALFORMED as error:
         raise UserError(f"{paths[0]} holds no arrays that can be read ({_short(error)})") from error
 
 
@@ -88,7 +104,7 @@ def _one_a_file(entry: Entry, paths: Sequence[Path]) -> Entry:
     """An array of each of many files, named as one in the first, as one array."""
 
     def read(index: Any) -> Any:
-        found = next((each for each in _entries(paths[index]) if each.name == entry.name), None)
+        found = next((each for each in _listed(paths[index]) if each.name == entry.name), None)
         if found is None or found.shape != entry.shape:
             raise ValueError(f"{paths[index].name} has no array {entry.name} of that shape")
         part = np.asarray(found.read(()))
@@ -113,6 +129,17 @@ def times_beside(pictures: Sequence[PictureFile]) -> NDArray[np.float64] | None:
             # A damaged picture is one that cannot be used; its time is not known.
             return None
     return in_seconds(np.array(stamps))[0]
+
+
+def _listed(path: Path) -> list[Entry]:
+    """The arrays of a file, listed once for all pictures of its frame."""
+    status = path.stat()
+    return _lately_listed(path, status.st_mtime_ns, status.st_size)
+
+
+@lru_cache(maxsize=1)
+def _lately_listed(path: Path, _changed: int, _size: int) -> list[Entry]:
+    return list(_entries(path))
 
 
 def _entries(path: Path) -> Iterator[Entry]:
@@ -158,13 +185,25 @@ def _of_numpy(path: Path) -> Iterator[Entry]:
             if kind.hasobject:
                 # Objects are a program that would run.
                 continue
-            _refuse_large(path, name, shape, kind.itemsize)
+            is_large = math.prod(float(side) for side in shape) * kind.itemsize > _IN_MEMORY
 
-            def load(name: str = name) -> NDArray[Any]:
+            def load(name: str = name, is_large: bool = is_large) -> NDArray[Any]:
+                if is_large:
+                    return _unpacked(path, name)
                 with np.load(path, allow_pickle=False) as file:
                     return np.asarray(file[name])
 
             yield _entry(name, shape, kind, _Once(load))
+
+
+def _unpacked(path: Path, name: str) -> NDArray[Any]:
+    """A large array of an `.npz`, which stays on the disk until a part of it is wanted."""
+
+    def unpack_all(folder: Path, room: int) -> None:
+        unpack(path, folder, JobsConfig(unpacked_bytes=room))
+
+    folder = unpacked_once(path, unpack_all)
+    return np.asarray(np.load(folder / f"{name}.npy", mmap_mode="r", allow_pickle=False))
 
 
 def _of_hdf5(path: Path) -> Iterator[Entry]:
@@ -177,10 +216,11 @@ def _of_hdf5(path: Path) -> Iterator[Entry]:
 
     def visit(name: str, item: Any) -> None:
         # Links to other files are not visited; arrays that lie in other files are left out.
-        if len(found) < _MOST_ENTRIES and isinstance(item, h5py.Dataset) and not item.external and not item.is_virtual:
+        is_array = isinstance(item, h5py.Dataset) and item.shape is not None and len(found) < _MOST_ENTRIES
+        if is_array and not item.external and not item.is_virtual:
             found.append(item)
         for key, value in list(item.attrs.items())[:_SMALL]:
-            number = np.asarray(value)
+            number = np.asarray(None if isinstance(value, h5py.Empty) else value)
             if number.size <= _SMALL and number.dtype.kind in "uifSU":
                 found.append((f"{name}/{key}".strip("/"), number))
 
@@ -210,10 +250,16 @@ def _of_matlab(path: Path) -> Iterator[Entry]:
         listed = whosmat(path)
     except MatReadError as error:
         raise ValueError(str(error)) from error
+    # Each is kept as a whole from when its first picture is wanted.
+    whole = 0.0
     for name, shape, kind in listed:
         if kind not in kinds:
             continue
-        _refuse_large(path, name, shape, np.dtype(kinds[kind]).itemsize)
+        whole += math.prod(float(side) for side in shape) * np.dtype(kinds[kind]).itemsize
+        if whole > MOST_BYTES:
+            raise UserError(
+                f"{path}: its arrays unpack to more than {MOST_BYTES >> 30} GB; save them as .npy, or as pictures"
+            )
 
         def load(name: str = name) -> NDArray[Any]:
             return np.asarray(loadmat(path, variable_names=[name])[name])
@@ -227,21 +273,20 @@ def _is_hdf5(path: Path) -> bool:
     return any(begin[at : at + len(_HDF5)] == _HDF5 for at in _HDF5_BEGINS)
 
 
-def _refuse_large(path: Path, name: str, shape: Sequence[int], itemsize: int) -> None:
-    if float(np.prod(shape, dtype=float)) * itemsize > _MOST_BYTES:
-        raise UserError(f"{path}: {name} unpacks to more than {_MOST_BYTES >> 30} GB; save it as .npy, or as pictures")
-
-
 def _time(stacks: Sequence[tuple[Stack, bool]], small: list[Entry]) -> tuple[str, ...]:
     """Give every stack its times: those that are called so and are as many; what is used is taken out of `small`."""
     notes = {""}
-    clocks = [each for each in small if len(np.squeeze(np.empty(each.shape, np.bool_)).shape) == 1 and _is_time(each)]
+    clocks = [each for each in small if sum(side != 1 for side in each.shape) == 1 and _is_time(each)]
     for stack, is_depth in stacks:
         fitting = [each for each in clocks if max(each.shape) == len(stack)]
         if fitting:
             words = ("depth",) if is_depth else ("color", "colour", "rgb", "image")
             best = max(fitting, key=lambda each: any(word in each.says for word in words))
-            stack.times, note = in_seconds(np.asarray(best.read(()), np.float64).ravel())
+            stamps = np.asarray(best.read(()), np.float64).ravel()
+            if not np.isfinite(stamps).all():
+                notes.add(f"{best.name} holds times that are no numbers, and is not used")
+                continue
+            stack.times, note = in_seconds(stamps)
             notes.add(note)
     for each in clocks:
         small.remove(each)
@@ -261,6 +306,8 @@ def _tree(small: Sequence[Entry]) -> Tree:
             continue
         value = _value(entry)
         *sections, name = [part for part in entry.says.split("/") if part] or [""]
+        if len(sections) > _DEEPEST:
+            continue
         inner = tree
         for section in sections:
             inner = inner.setdefault(section, {})
@@ -273,7 +320,8 @@ def _tree(small: Sequence[Entry]) -> Tree:
 
 def _value(entry: Entry) -> Any:
     size = int(np.prod(entry.shape, dtype=float)) if entry.shape else 1
-    if size > _SMALL and not (len(entry.shape) == 3 and max(entry.shape[1:]) <= 4):
+    is_of_each = len(entry.shape) == 3 and max(entry.shape[1:]) <= 4 and size <= _MOST_NUMBERS
+    if (size > _SMALL and not is_of_each) or entry.bits > _LONGEST_TEXT:
         return None
     array = np.asarray(entry.read(()))
     if array.dtype.kind in "SUO":

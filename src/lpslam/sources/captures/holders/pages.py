@@ -1,8 +1,11 @@
 """TIFF files of many pages, one picture each, as microscopes and ImageJ write them."""
 
 import struct
+import threading
 import warnings
+import weakref
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +14,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from lpslam.sources.captures.holders.stacks import Entry
+from lpslam.sources.images import MOST_PIXELS
 
 SUFFIXES = frozenset((".tif", ".tiff"))
 _MOST_PAGES = 100_000
@@ -28,7 +32,7 @@ _MALFORMED = (
 
 def has_pages(path: Path) -> bool:
     """Whether a file is a TIFF of two pages and more."""
-    return path.suffix.lower() in SUFFIXES and _page(path, 1) is not None
+    return path.suffix.lower() in SUFFIXES and _Pages(path).page(1) is not None
 
 
 def entries_of(path: Path) -> Iterator[Entry]:
@@ -37,36 +41,59 @@ def entries_of(path: Path) -> Iterator[Entry]:
     Raises:
         ValueError: it cannot be read.
     """
-    first = _page(path, 0)
+    pages = _Pages(path)
+    first = pages.page(0)
     if first is None:
         raise ValueError("no page can be read")
 
     def read(index: Any) -> Any:
-        page = _page(path, int(index))
+        page = pages.page(int(index))
         if page is None or page.shape != first.shape:
             raise ValueError(f"page {index} cannot be read, or has another size")
         return page
 
-    yield Entry(path.stem, (_count(path), *first.shape), first.dtype.kind, 8 * first.dtype.itemsize, read)
+    yield Entry(path.stem, (len(pages), *first.shape), first.dtype.kind, 8 * first.dtype.itemsize, read)
 
 
-def _page(path: Path, number: int) -> NDArray[Any] | None:
-    try:
-        # Of damaged tags and of large pictures it warns, and goes on.
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            with Image.open(path) as image:
+class _Pages:
+    """The pages of a file, which is opened once: each page says where the next one lies, and is not asked again."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._image: Image.Image | None = None
+        # Asked again, a decoder may give what it had of such a page.
+        self._damaged: set[int] = set()
+        self._lock = threading.Lock()
+
+    def page(self, number: int) -> NDArray[Any] | None:
+        """A page's pixels; None where it cannot be read."""
+        with self._lock, _quietly():
+            try:
+                image = self._opened()
                 image.seek(number)
-                return np.asarray(image)
-    except _MALFORMED:
+                if number not in self._damaged and image.width * image.height <= MOST_PIXELS:
+                    return np.asarray(image)
+            except _MALFORMED:
+                self._damaged.add(number)
         return None
 
+    def __len__(self) -> int:
+        with self._lock, _quietly():
+            try:
+                return min(int(getattr(self._opened(), "n_frames", 1)), _MOST_PAGES)
+            except _MALFORMED as error:
+                raise ValueError(f"its pages cannot be counted ({type(error).__name__})") from error
 
-def _count(path: Path) -> int:
+    def _opened(self) -> Image.Image:
+        if self._image is None:
+            self._image = Image.open(self._path)
+            weakref.finalize(self, self._image.close)
+        return self._image
+
+
+@contextmanager
+def _quietly() -> Iterator[None]:
+    """Of damaged tags and of large pictures the decoder warns, and goes on."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        try:
-            with Image.open(path) as image:
-                return min(int(getattr(image, "n_frames", 1)), _MOST_PAGES)
-        except _MALFORMED as error:
-            raise ValueError(f"its pages cannot be counted ({type(error).__name__})") from error
+        yield

@@ -1,6 +1,10 @@
 """Arrays of many pictures, one along their first or last axis: which axis that is, and what they show."""
 
+import math
 import re
+import struct
+import zipfile
+import zlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,12 +14,21 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.sources.images import BadImageError, decoded_image
+from lpslam.errors import UserError
+from lpslam.sources.images import MOST_PIXELS, TOO_LARGE, BadImageError, decoded_image
+from lpslam.sources.inside import refuse_many
 
 COLOUR_WORDS = ("color", "colour", "rgb", "bgr", "image", "img", "picture", "left", "cam", "gray", "grey", "mono")
 DEPTH_WORDS = ("depth", "distance", "range")
 OTHER_WORDS = ("conf", "mask", "label", "seg", "semantic", "instance", "normal", "pose", "traj", "preview", "thumb")
 _CHANNELS, _LEAST_SIDE = (1, 3, 4), 32
+_MOST_NUMBERS = 4 * MOST_PIXELS
+"""Of one picture."""
+MALFORMED = (OSError, ValueError, EOFError, KeyError, IndexError, TypeError, RuntimeError, OverflowError, struct.error,
+             zipfile.BadZipFile, zlib.error, MemoryError)  # fmt: skip
+"""What libraries raise of arrays that are damaged, or state what cannot be."""
+MOST_BYTES = 1 << 32
+"""Of what is kept in memory as a whole."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,8 +67,8 @@ class Stack:
         self._entry, self._is_last, self._channel_axis = entry, is_last, channel_axis
         self._whole: NDArray[Any] | None = None
         self.times: NDArray[np.float64] | None = None
-        shape = self._oriented_shape
-        self._count = shape[-1] if is_last else shape[0]
+        self._count = self._oriented_shape[-1 if is_last else 0]
+        self._refuse_large()
         first = self.picture(0)
         self.size = first.shape[1], first.shape[0]
 
@@ -66,11 +79,28 @@ class Stack:
     def _oriented_shape(self) -> tuple[int, ...]:
         return self._entry.shape[::-1] if self._entry.is_reversed else self._entry.shape
 
+    def _refuse_large(self) -> None:
+        """Raise a `UserError` where pictures are too many or too large, as the array states it, which may be a lie."""
+        refuse_many(self.path, self._count)
+        numbers = math.prod(float(side) for side in self._oriented_shape)
+        if not self._entry.is_encoded and numbers > _MOST_NUMBERS * max(self._count, 1):
+            raise UserError(f"{self.path}: its pictures are {TOO_LARGE}")
+        if self._is_read_whole and numbers * self._entry.bits / 8 > MOST_BYTES:
+            raise UserError(
+                f"{self.path} has more than {MOST_BYTES >> 30} GB and can be read as a whole only; save it with the "
+                "pictures along its first axis"
+            )
+
+    @property
+    def _is_read_whole(self) -> bool:
+        """Whether one picture is no part that can be read alone: they lie along the last axis."""
+        return not self._entry.is_encoded and self._is_last != self._entry.is_reversed
+
     def picture(self, index: int) -> NDArray[Any]:
         """See `Holder`."""
         try:
             found = self._part(index)
-        except (OSError, ValueError, IndexError, KeyError, EOFError, RuntimeError) as error:
+        except MALFORMED as error:
             raise BadImageError(f"{self.path.name} {index} cannot be read ({type(error).__name__})") from error
         if self._channel_axis is not None:
             found = np.moveaxis(found, self._channel_axis, -1)
@@ -81,7 +111,7 @@ class Stack:
         entry = self._entry
         if entry.is_encoded:
             return _decoded(bytes(np.asarray(entry.read(index), np.uint8)), f"{self.path.name} {index}")
-        if self._is_last == entry.is_reversed:
+        if not self._is_read_whole:
             found = np.asarray(entry.read(index))
             return found.T if entry.is_reversed else found
         if self._whole is None:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from lpslam.errors import MissingExtraError, UserError
 from lpslam.sources.images import MOST_PIXELS, BadImageError
+from lpslam.sources.inside import refuse_many
 
 SUFFIXES = frozenset((".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm"))
 _BOXES = (b"ftyp", b"moov", b"mdat", b"free", b"skip", b"wide", b"pnot")
@@ -78,6 +79,7 @@ class Video(_InOrder):
         reader.release()
         if min(*size, count) <= 0 or size[0] * size[1] > MOST_PIXELS:
             raise UserError(f"{path} is no video that can be decoded")
+        refuse_many(path, count)
         super().__init__(path, size, count, rate)
 
     def _decoded(self, first: int) -> Iterator[tuple[int, NDArray[np.uint8]]]:
