@@ -231,6 +231,19 @@ def test_a_member_that_is_there_twice_or_is_an_archive_is_refused(tmp_path: Path
             read_map_file(path)
 
 
+@pytest.mark.parametrize(("name", "count"), [("arrays/a.npy", 300), ("documents/more.json", 130)])
+def test_a_map_that_would_fill_the_memory_is_not_read(tmp_path: Path, name: str, count: int) -> None:
+    path = write(tmp_path / "a.lpmap")
+    with (
+        zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED, compresslevel=1) as archive,
+        archive.open(name, "w") as member,
+    ):
+        for _ in range(count):
+            member.write(bytes(1 << 20))
+    with pytest.raises(UserError, match="it is not read"):
+        read_map_file(path)
+
+
 def test_unwritable_and_unreadable_places(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="does not exist"):
         write(tmp_path / "none" / "a.lpmap")

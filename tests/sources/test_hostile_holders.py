@@ -215,3 +215,22 @@ def test_a_file_of_one_frame_is_listed_once(
     listed = counted(monkeypatch, arrays, "_entries")
     assert len(list(source)) == COUNT
     assert len(listed) <= COUNT
+
+
+@pytest.mark.parametrize(("rgb", "far"), [(np.nan, 1.0), (1e300, 1e300)])
+def test_fractions_that_are_no_numbers_are_no_pixels(tmp_path: Path, rgb: float, far: float, depth: Pictures) -> None:
+    colours = np.full((COUNT, HEIGHT, WIDTH, 3), rgb)
+    metres = depth / 2000.0
+    metres[:, 0, 0] *= far
+    np.savez(tmp_path / "a.npz", rgb=colours, depth=metres, K=K, timestamps=TIMES)
+    assert len(list(open_source(tmp_path / "a.npz"))) == COUNT
+
+
+def test_an_archive_whose_name_is_dots_is_unpacked(tmp_path: Path, colour: Pictures, depth: Pictures) -> None:
+    folder = tmp_path / "in"
+    folder.mkdir()
+    npz_by_frames(folder, colour, depth)
+    with zipfile.ZipFile(tmp_path / "...zip", "w") as archive:
+        for path in folder.rglob("*.*"):
+            archive.write(path, path.relative_to(folder))
+    assert len(list(open_source(tmp_path / "...zip"))) == COUNT

@@ -12,7 +12,7 @@ import struct
 import tokenize
 import zipfile
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -41,6 +41,10 @@ _DOCUMENTS, _ARRAYS = "documents/", "arrays/"
 _DATE = (1980, 1, 1, 0, 0, 0)
 # Enough for hours of walking, small enough that a crafted file cannot fill the memory.
 _MOST_BYTES = 8 << 30
+_FREE_BYTES, _MOST_RATIO = 1 << 28, 100
+"""A map that unpacks to more has at most so many times its own bytes: maps shrink by half, bombs a thousandfold."""
+_MOST_DOCUMENT_BYTES = 1 << 27
+"""Values take many times the room of their text; ten thousand signs have twenty megabytes."""
 _MOST_MANIFEST_BYTES = 1 << 20
 # What reading a file can raise that is no zip, a damaged one, or one made to deceive.
 _DAMAGE = (
@@ -108,8 +112,7 @@ def read_map_file(path: Path | str) -> MapContents:
     path = Path(path)
     with _opened(path) as (archive, manifest):
         members = [member for member in archive.infolist() if member.filename != _MANIFEST]
-        if sum(member.file_size for member in members) > _MOST_BYTES:
-            raise UserError(f"map {path} claims to unpack to more than {_MOST_BYTES >> 30} GB; it is not read")
+        _refuse_large(path, members)
         contents = MapContents(manifest, {}, {})
         for member in members:
             # Reading a member to its end checks its CRC.
@@ -185,6 +188,19 @@ def _check_members(archive: zipfile.ZipFile) -> None:
         if member.compress_type not in _PACKED:
             raise ValueError(f"{member.filename[:60]} is packed in a way that maps are not")
         names.add(member.filename)
+
+
+def _refuse_large(path: Path, members: Sequence[zipfile.ZipInfo]) -> None:
+    """Raise a `UserError` where what a map holds would fill the memory."""
+    most = min(_MOST_BYTES, max(_FREE_BYTES, _MOST_RATIO * path.stat().st_size))
+    if sum(member.file_size for member in members) > most:
+        raise UserError(f"map {path} claims to unpack to more than {most / 1e9:.3g} GB; it is not read")
+    for member in members:
+        if member.filename.startswith(_DOCUMENTS) and member.file_size > _MOST_DOCUMENT_BYTES:
+            raise UserError(
+                f"map {path} claims {member.file_size / 1e6:,.0f} MB of {member.filename[:60]}, more than any map; it "
+                "is not read"
+            )
 
 
 def _array(name: str, data: bytes) -> NDArray[Any]:

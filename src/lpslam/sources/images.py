@@ -53,7 +53,7 @@ def _as_colour(picture: NDArray[Any], name: str) -> NDArray[np.uint8]:
     """Colour of eight bits, as files of images are decoded to; arrays may have other channels and types."""
     if picture.dtype.kind == "f":
         # Fractions of the brightest, or the same numbers as of eight bits.
-        most = float(np.nanmax(picture)) if picture.size else 0.0
+        most = float(np.nan_to_num(picture).max()) if picture.size else 0.0
         picture = np.clip(np.nan_to_num(picture) * (255.0 if most <= 1.0 else 1.0), 0, 255).astype(np.uint8)
     elif picture.dtype == np.uint16:
         picture = (picture >> 8).astype(np.uint8)
@@ -80,7 +80,9 @@ def read_depth(path: PictureFile, depth_scale: float, encoding: DepthEncoding | 
         raw = encoding.numbers(raw, is_blue_first=not isinstance(path, Inside))
     is_most = raw >= _most_of(raw.dtype)
     if raw.dtype in (np.float64, np.float16, np.int32, np.uint32, np.int16):
-        raw = raw.astype(np.float32)
+        # What is too large for it is no depth.
+        with np.errstate(over="ignore"):
+            raw = raw.astype(np.float32)
     if raw.ndim != 2 or raw.dtype not in (np.uint16, np.float32):
         channels = 1 if raw.ndim == 2 else raw.shape[2]
         raise BadImageError(f"{path.name} has {channels} channel(s) of {raw.dtype}; depth is one channel of 16 bits")

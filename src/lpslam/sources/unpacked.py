@@ -39,4 +39,4 @@ def _bare_name(name: str) -> str:
     """The name of an archive without its endings."""
     while (suffix := Path(name).suffix.lower()) in ARCHIVES:
         name = name[: -len(suffix)]
-    return name or "archive"
+    return name if name.strip(".") else "archive"

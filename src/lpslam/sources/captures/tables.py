@@ -101,7 +101,7 @@ def _take(table: Table, columns: dict[int, list[PictureFile | None]], found: Lis
 def _take_in_order(tables: Sequence[Table], pictures: tuple[PictureFile, ...], found: Listing) -> None:
     """Times without names belong to pictures by their numbers, where a column has these, or in order."""
     for table in tables:
-        stamps = _times(table)
+        stamps = _times(table) if len(table.rows) <= _MOST_ROWS * len(pictures) else None
         if stamps is None or len(stamps) < len(pictures):
             continue
         seconds, note = in_seconds(stamps)
