@@ -47,5 +47,9 @@ def test_words_of_kana_alone_are_no_names() -> None:
     assert named_aloud("サウナの後に冷たい水に入りたい", sounds_of([("サウナ",), ("水風呂",)])) == set()
 
 
+def test_the_ending_of_a_verb_is_no_name() -> None:
+    assert named_aloud("傘を置いてきてしまった", sounds_of([("喫茶", "汽笛"), ("かさ",)])) == set()
+
+
 def test_a_name_of_very_many_readings_is_left_to_its_characters() -> None:
     assert list(sounds_of([("の" + "生" * 12,)])) == [" ".join(["no", *["sheng"] * 12])]

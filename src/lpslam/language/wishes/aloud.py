@@ -16,7 +16,8 @@ from lpslam.language.tables.patterns import standing
 _TABLE = Path(__file__).parent.parent / "data" / "wishes" / "readings_ja.txt"
 _KANA = standing("[\u3041-\u3096\u30a1-\u30fa]")
 _HAN = standing("[\u4e00-\u9fff]")
-_SAID_IN_KANA = standing("[\u3041-\u3096\u30a1-\u30fa\u30fc]{3,}")
+_SAID_IN_KANA = standing("(?:(?<=[はがをにでとのもやへ])|(?<![\u3041-\u30ff\u4e00-\u9fff]))(?=([\u3041-\u30ff]{3,}))")
+"""Kana that begin a word: not behind a character whose ending they are, 置いてきて."""
 _SAID_IN_HAN = standing("[\u4e00-\u9fff々]{2,}")
 _WORD = standing("[A-Za-zÀ-ÿ]+")
 _MOST_READINGS = 256  # of one name: longer ones are seldom spelt by their sound
@@ -77,7 +78,8 @@ def named_aloud(text: str, sounds: Sounds) -> set[int]:
     """Return the one name, else none, that a text spells by its sound; the longest where there are more."""
     said: set[str] = set()
     for hit in _SAID_IN_KANA.finditer(text) if sounds else ():
-        said |= {_in_latin(hit.group()[part]) for part in _parts(len(hit.group()), 3)}
+        run = hit.group(1)[:_MOST_LETTERS]
+        said |= {_in_latin(run[:end]) for end in range(3, len(run) + 1)}
     words = _WORD.findall(text) if sounds else []
     said |= {_in_latin("".join(words[part])) for part in _parts(len(words), 1, _MOST_WORDS)}
     by_sound = {key: sounds[key] for key in said if len(key) >= _FEWEST_LETTERS and key in sounds}
