@@ -36,6 +36,11 @@ def test_a_name_is_heard_beside_a_call() -> None:
     assert found("ねえ鶴の間ってどこ", ("宴会場 鶴の間", "宴会場 亀の間", "フロント")) == "宴会場 鶴の間"
 
 
+@pytest.mark.parametrize("question", ["シルバースワンズはどこですか", "실버 스완즈라는 데가 어디예요"])
+def test_a_name_in_the_plural_is_heard_in_another_script(question: str) -> None:
+    assert found(question, ("Silver Swans Dance School", "Nursery", "Toilets")) == "Silver Swans Dance School"
+
+
 def test_a_sentence_is_not_heard_as_a_shorter_name() -> None:
     assert found("촬영한 영상을 잘라 붙여야 해요", ("촬영장비 대여", "식당", "주차장")) is None
 

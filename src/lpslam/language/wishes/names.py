@@ -29,6 +29,7 @@ _LONG = 5  # letters of a word in which a slip is forgiven
 _STEM, _STEM_SHARE = 5, 0.6  # letters with which words begin alike, at least, and their share of the shorter one
 _LETTERS_A_SLIP = 6  # of a whole name, for each slip that is forgiven in it
 _DIGITS = re.compile(r"\d").findall
+_LETTERS = standing(r"[^\W\d_]+")
 _HANGUL = standing("[\uac00-\ud7a3]+")
 _SOUNDS_OF_HANGUL = (("cheu", "tsu"), ("eu", ""), ("eo", "o"), ("l", "r"))
 _KEPT = 256  # words of which it is kept who bears them
@@ -47,8 +48,8 @@ class Words:
     @cached_property
     def in_order(self) -> tuple[str, ...]:
         """The words of spaced scripts as they stand there."""
-        units = self.folder.units(self.text.replace("-", " "))
-        return tuple(unit for unit in units if unit.isalpha() and not is_unspaced(unit))
+        # In the plural as well: Little Ducks sounds as リトルダックス.
+        return tuple(word for word in _LETTERS.findall(self.folder.fold(self.text)) if not is_unspaced(word))
 
     @cached_property
     def latin(self) -> str:
