@@ -285,6 +285,14 @@ def test_where_nothing_was_ever_read_nothing_is_read_until_it_is_seen_larger() -
     assert list(reading.texts.spellings) == ["GUCCI"]
 
 
+def test_two_lines_that_say_nothing_in_one_box_do_not_keep_either_from_being_read() -> None:
+    spotter = ScriptedSpotter((box(100, 200, 120, 70), "smudge", 0.3))
+    mapper = run(TextMapper(CAMERA, spotter, CONFIG), 60)
+    spotter.seen = [(box(100, 200), "GUCCI", 0.98), (box(100, 240), "PRADA", 0.98)]
+    reading = next(filter(None, (mapper.observe(frame(index), tracked(index)) for index in range(60, 70))))
+    assert list(reading.texts.spellings) == ["GUCCI", "PRADA"]
+
+
 def test_what_is_cut_off_is_read_at_a_quicker_pace_until_it_was_read_often() -> None:
     """It may be whole in a moment, and gone in the next."""
     cut = box(2, 200, 100)

@@ -19,6 +19,8 @@ def standing(x: float, y: float, width: float = 1.0, height: float = 0.2) -> Pla
         (standing(-0.25, 0.0, width=0.5), True),  # a piece of it
         (standing(0.0, 0.25), False),  # the next line of the board
         (standing(1.1, 0.0), False),  # its neighbour
+        (standing(0.0, 0.05, height=0.3), True),  # its box drawn larger
+        (standing(0.0, 0.1, height=0.4), False),  # it and the next line in one box
     ],
 )
 def test_a_spot_is_where_texts_overlap(placement: Placement, here: bool) -> None:

@@ -26,6 +26,9 @@ _CAPACITY = 16384
 _ALONG_SHARE = 0.5
 _ACROSS_SHARE = 0.6
 
+# What has letters so many times as large is another text: two lines in one box, or small print below a column.
+_ALIKE = 1.6
+
 # Where readings go on differing, so many times the sightings settle a text all the same: more would say no more.
 _PATIENCE = 2
 
@@ -157,6 +160,8 @@ class Spots:
         lengths = np.maximum(self._sizes[:, 0], placement.width)
         heights = np.maximum(self._sizes[:, 1], placement.height)
         overlaps = (np.abs(along) < _ALONG_SHARE * lengths) & (across < _ACROSS_SHARE * heights)
+        letters, own = self._sizes.min(axis=1), min(placement.width, placement.height)
+        overlaps &= np.maximum(letters, own) <= _ALIKE * np.minimum(letters, own)
         # The back of a thin sign may say something else.
         here: NDArray[np.bool_] = overlaps & (self._normals @ normal > 0.0)
         return here
