@@ -11,6 +11,7 @@ from lpslam.camera import transform_points
 from lpslam.config import AdviceConfig
 from lpslam.text.placing.columns import WorldSightings
 from lpslam.text.placing.instances import KeyframePoses
+from lpslam.text.placing.views import unit
 from lpslam.text.remembering.similarity import comparison_key, is_fragment, similarity
 from lpslam.text.types import TextObservation
 
@@ -144,15 +145,11 @@ def _text(text_class: int, seen: WorldSightings) -> Seen:
         float(np.mean([each.confidence for each in seen.observations])),
         sum(same) / len(seen),
         np.median(seen.positions, axis=0),
-        _unit(seen.normals.mean(axis=0)),
-        _unit(seen.baselines.mean(axis=0)),
+        unit(seen.normals.mean(axis=0)),
+        unit(seen.baselines.mean(axis=0)),
         width,
         height,
     )
-
-
-def _unit(vector: Array) -> Array:
-    return np.asarray(vector / max(float(np.linalg.norm(vector)), 1e-12), np.float64)
 
 
 def likeness(one: Seen, other: Seen) -> float:

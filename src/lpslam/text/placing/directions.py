@@ -8,12 +8,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lpslam.config import ReadingConfig
+from lpslam.text.placing.views import Array, sides_of
 from lpslam.text.types import Bearing
-
-Array = NDArray[np.float64]
 
 _ENOUGH = 2
 """Readings from one keyframe after which another one tells nothing: one may be a slip."""
@@ -40,8 +38,7 @@ class _Seen:
     def of(cls, bearing: Bearing, letters: float, identifier: int = -1) -> "_Seen":
         corners = np.array(bearing.corners)
         middle = corners.mean(axis=0)
-        along = (corners[1] + corners[2] - corners[0] - corners[3]) / 2.0
-        across = (corners[2] + corners[3] - corners[0] - corners[1]) / 2.0
+        along, across = sides_of(corners)
         width, height = float(np.linalg.norm(along)), float(np.linalg.norm(across))
         return cls(middle / np.linalg.norm(middle), along / max(width, 1e-9), width, height, letters, identifier)
 

@@ -16,6 +16,7 @@ from lpslam.text.placing.bearings import placed
 from lpslam.text.placing.columns import WorldSightings
 from lpslam.text.placing.instances import KeyframePoses, split_places, trimmed_position
 from lpslam.text.placing.seen_through import without_seen_through
+from lpslam.text.placing.views import unit
 from lpslam.text.remembering.ends import is_lone_character, is_of_rings, says_a_word, says_little
 from lpslam.text.remembering.evidence import looks_of, readings_of, wholes_of
 from lpslam.text.remembering.known_names import is_spelt_as_names
@@ -148,8 +149,8 @@ def _place(key: int, name: str, sure: float, seen: WorldSightings, config: Insta
     position, kept = trimmed_position(whole.positions, config.rounds, config.drop_share)
     whole = whole[kept]
     trusted = whole[_on_the_side_seen_most(whole.normals)]
-    normal = _mean_direction(trusted.normals)
-    baseline = _mean_direction(trusted.baselines)
+    normal = unit(trusted.normals.mean(axis=0))
+    baseline = unit(trusted.baselines.mean(axis=0))
     width, height = np.median(trusted.sizes, axis=0).tolist()
     frames = seen.frames.tolist()
     return Place(
@@ -158,7 +159,7 @@ def _place(key: int, name: str, sure: float, seen: WorldSightings, config: Insta
         variants=seen.variants,
         position=position,
         normal=normal,
-        baseline=_mean_direction((baseline - normal * (baseline @ normal))[None]),
+        baseline=unit(baseline - normal * (baseline @ normal)),
         spread=float(np.sqrt(np.mean(np.sum((whole.positions - position) ** 2, axis=1)))),
         width=width,
         height=height,
@@ -305,11 +306,6 @@ def _on_the_side_seen_most(normals: Array) -> NDArray[np.bool_]:
     """Of a sign that was seen from both sides, which sightings (n,) are of the side that was seen more often."""
     same_side = normals @ normals.T > 0.0
     return np.asarray(same_side[int(same_side.sum(axis=1).argmax())], np.bool_)
-
-
-def _mean_direction(directions: Array) -> Array:
-    mean = directions.mean(axis=0)
-    return np.asarray(mean / max(float(np.linalg.norm(mean)), 1e-12), dtype=np.float64)
 
 
 def _name_here(

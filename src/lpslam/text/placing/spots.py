@@ -73,7 +73,7 @@ class Spots:
         alike = [len(each) <= len(key) and similarity(each, key) >= _SLIPS for each in self._keys[whole].tolist()]
         if not any(alike):
             return False
-        position, baseline, normal = _in_world(placement, world_from_keyframe)
+        position, baseline, normal = in_world(placement, world_from_keyframe)
         # A text that runs downwards ends below.
         axes = np.stack([baseline, np.cross(normal, baseline)], axis=1)
         sizes, own = self._sizes[whole][alike], np.array([placement.width, placement.height])
@@ -153,7 +153,7 @@ class Spots:
         return bool(unseen.any() and (unseen & (np.array(room()) >= LINE_ENDS)).any())
 
     def _here(self, placement: Placement, world_from_keyframe: Array) -> NDArray[np.bool_]:
-        position, baseline, normal = _in_world(placement, world_from_keyframe)
+        position, baseline, normal = in_world(placement, world_from_keyframe)
         offsets = self._positions - position
         along = offsets @ baseline
         across = np.linalg.norm(offsets - along[:, None] * baseline, axis=1)
@@ -176,7 +176,7 @@ class Spots:
         room: tuple[float, float] | None = None,
     ) -> None:
         """Note a sighting of a class, as what it was read, how large it was seen and how far the view went on."""
-        position, baseline, normal = _in_world(placement, world_from_keyframe)
+        position, baseline, normal = in_world(placement, world_from_keyframe)
         size = [placement.width, placement.height]
         self._classes = np.append(self._classes, identifier)[-_CAPACITY:]
         self._keys = np.append(self._keys, np.array([comparison_key(text)], object))[-_CAPACITY:]
@@ -189,7 +189,8 @@ class Spots:
         self._rooms = np.vstack([self._rooms, room or (LINE_ENDS, LINE_ENDS)])[-_CAPACITY:]
 
 
-def _in_world(placement: Placement, world_from_keyframe: Array) -> tuple[Array, Array, Array]:
+def in_world(placement: Placement, world_from_keyframe: Array) -> tuple[Array, Array, Array]:
+    """Where a text stands, which way it runs and which way it faces, (3,) each, in the world."""
     position = transform_points(world_from_keyframe, np.array([placement.position]))[0]
     rotation = world_from_keyframe[:3, :3]
     return position, rotation @ np.array(placement.baseline), rotation @ np.array(placement.normal)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from lpslam.text.placing.triangulation import Triangulated, on_plane, triangulate
-from lpslam.text.placing.views import Array, Rows, Views, unit, vector3
+from lpslam.text.placing.views import Array, Rows, Views, placement_of, unit
 from lpslam.text.types import Placement
 
 _FACING_SPREAD = 0.6
@@ -33,16 +33,7 @@ def placements_at(
         own = views.placements[row] if has_depth else None
         facing = np.array(own.normal) if own is not None else normal
         corners = on_plane(views.origins[row], views.corners[row], place.position, facing)
-        along = (corners[1] + corners[2] - corners[0] - corners[3]) / 2.0
-        across = (corners[2] + corners[3] - corners[0] - corners[1]) / 2.0
-        found[row] = Placement(
-            position=vector3(place.position),
-            normal=vector3(facing),
-            baseline=vector3(unit(along)),
-            width=float(np.linalg.norm(along)),
-            height=float(np.linalg.norm(across)),
-            uncertainty=place.uncertainty,
-        )
+        found[row] = placement_of(corners, place.position, facing, place.uncertainty)
     return found
 
 

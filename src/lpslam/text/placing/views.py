@@ -16,7 +16,7 @@ from lpslam.text.types import Bearing, Placement, TextObservation, Vector3
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
-_BOX_STRAY = 0.1
+BOX_STRAY = 0.1
 """How far the middle of a detected box strays from that of the text, as a share of the box's height."""
 
 _POSE_NOISE = 0.003
@@ -100,7 +100,7 @@ def views_of(
         origins=np.array(origins),
         directions=middles(rays, towards),
         corners=rays,
-        noise=np.hypot(np.hypot(_BOX_STRAY * np.minimum(heights, widths), _POSE_NOISE), lacking),
+        noise=np.hypot(np.hypot(BOX_STRAY * np.minimum(heights, widths), _POSE_NOISE), lacking),
         lacking=lacking,
         spellings=spellings,
         keyframes=np.array([each.keyframe for each in observations], np.int64),
@@ -133,6 +133,25 @@ def moved(placement: Placement, target_from_source: Array) -> Placement:
         position=vector3(transform_points(target_from_source, np.array([placement.position]))[0]),
         normal=vector3(rotation @ np.array(placement.normal)),
         baseline=vector3(rotation @ np.array(placement.baseline)),
+    )
+
+
+def sides_of(corners: Array) -> tuple[Array, Array]:
+    """Along and across a text by its corners (4, k): the means of two opposite sides, (k,) each."""
+    first, second, third, fourth = corners
+    return (second + third - first - fourth) / 2.0, (third + fourth - first - second) / 2.0
+
+
+def placement_of(corners: Array, position: Array, normal: Array, uncertainty: float) -> Placement:
+    """A text with corners (4, 3) metres on a surface, in their frame."""
+    along, across = sides_of(corners)
+    return Placement(
+        vector3(position),
+        vector3(normal),
+        vector3(unit(along)),
+        float(np.linalg.norm(along)),
+        float(np.linalg.norm(across)),
+        uncertainty,
     )
 
 

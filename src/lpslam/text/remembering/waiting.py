@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.camera import transform_points
+from lpslam.text.placing.spots import in_world
 from lpslam.text.remembering.ends import ends_as_words_do, says_little
 from lpslam.text.remembering.evidence import Glance
 from lpslam.text.remembering.similarity import comparison_key, is_fragment, similarity
@@ -179,8 +179,8 @@ def _reach_beyond(longer: list[CutText], cuts: list[CutText]) -> bool:
 
 def _reaches(cuts: list[CutText], of: CutText) -> tuple[Array, float]:
     """How far n readings reach from the middle of one, to its begin and to its end, (2, n) metres; and their stray."""
-    origin, baseline, _ = _in_world(of)
-    middles = np.array([(_in_world(each)[0] - origin) @ baseline for each in cuts])
+    origin, baseline, _ = in_world(of.placement, of.world_from_keyframe)
+    middles = np.array([(in_world(each.placement, each.world_from_keyframe)[0] - origin) @ baseline for each in cuts])
     widths = np.array([each.placement.width for each in cuts])
     heights = np.array([each.placement.height for each in cuts])
     stray = _STRAY * float(np.median(heights)) + _STRAY_SHARE * float(np.median(widths))
@@ -197,17 +197,11 @@ def _is_told(cuts: list[CutText], names_at: Callable[[Placement, Array], list[st
 
 def _overlap(one: CutText, other: CutText) -> bool:
     """Whether two readings stand on one line, one beside or over the other."""
-    position, baseline, normal = _in_world(one)
-    there, _, facing = _in_world(other)
+    position, baseline, normal = in_world(one.placement, one.world_from_keyframe)
+    there, _, facing = in_world(other.placement, other.world_from_keyframe)
     offset = there - position
     along = float(offset @ baseline)
     across = float(np.linalg.norm(offset - along * baseline))
     is_beside = abs(along) < 0.5 * (one.placement.width + other.placement.width)
     on_line = across < _ACROSS * max(one.placement.height, other.placement.height)
     return bool(is_beside and on_line and normal @ facing > 0.0)
-
-
-def _in_world(cut: CutText) -> tuple[Array, Array, Array]:
-    placement, pose = cut.placement, cut.world_from_keyframe
-    position = transform_points(pose, np.array([placement.position]))[0]
-    return position, pose[:3, :3] @ np.array(placement.baseline), pose[:3, :3] @ np.array(placement.normal)

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera, inverse_transform, transform_points
 from lpslam.config import PlacementConfig
-from lpslam.text.placing.by_depth.sampling import Array, depths_inside, grown, unit
+from lpslam.text.placing.by_depth.sampling import Array, depths_inside, grown
+from lpslam.text.placing.views import unit
 from lpslam.text.reading.borders import goes_on
 from lpslam.text.reading.boxes import along_the_lines
 from lpslam.text.types import Placement

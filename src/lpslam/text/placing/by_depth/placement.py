@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.camera import PinholeCamera, transform_points
+from lpslam.camera import PinholeCamera
 from lpslam.config import PlacementConfig
 from lpslam.text.placing.by_depth.hiding import PlacementFault, fault_at_ends, goes_on_behind_something_near
 from lpslam.text.placing.by_depth.sampling import (
@@ -16,13 +16,10 @@ from lpslam.text.placing.by_depth.sampling import (
     fit_inverse_depth_plane,
     grown,
     points_inside,
-    unit,
 )
+from lpslam.text.placing.views import BOX_STRAY, moved, placement_of, sides_of, unit
 from lpslam.text.reading.boxes import along_the_lines
-from lpslam.text.types import Placement, Vector3
-
-# How far the middle of a detected box strays from that of the text, as a share of the box's height.
-_BOX_STRAY = 0.1
+from lpslam.text.types import Placement
 
 
 def place_text(
@@ -75,19 +72,10 @@ def place_text(
     view_angle = np.degrees(np.arccos(np.clip(-unit(centre) @ surface.normal, -1.0, 1.0)))
     if view_angle > config.max_view_angle:
         return PlacementFault.GRAZING
-    along = (corners[1] + corners[2] - corners[0] - corners[3]) / 2.0
-    across = (corners[2] + corners[3] - corners[0] - corners[1]) / 2.0
-    width, height = float(np.linalg.norm(along)), float(np.linalg.norm(across))
-    spread = np.hypot(surface.noise / np.sqrt(len(support.depths) / 10.0), _BOX_STRAY * height)
-    rotation = keyframe_from_camera[:3, :3]
-    return Placement(
-        position=_vector(transform_points(keyframe_from_camera, centre[None])[0]),
-        normal=_vector(rotation @ surface.normal),
-        baseline=_vector(rotation @ unit(along)),
-        width=width,
-        height=height,
-        uncertainty=float(spread if support.is_own else np.hypot(spread, config.surroundings_uncertainty)),
-    )
+    height = float(np.linalg.norm(sides_of(corners)[1]))
+    spread = float(np.hypot(surface.noise / np.sqrt(len(support.depths) / 10.0), BOX_STRAY * height))
+    uncertainty = spread if support.is_own else float(np.hypot(spread, config.surroundings_uncertainty))
+    return moved(placement_of(corners, centre, surface.normal, uncertainty), keyframe_from_camera)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -201,10 +189,6 @@ def _lies_between(corners: Array, support: Array, config: PlacementConfig) -> bo
         return True
     between = np.count_nonzero((support > farthest + quarter) & (support < nearest - quarter))
     return bool(between >= max(3.0, config.between_share * len(support)))
-
-
-def _vector(array: Array) -> Vector3:
-    return float(array[0]), float(array[1]), float(array[2])
 
 
 def is_squeezed(text: str, placement: Placement | PlacementFault) -> bool:

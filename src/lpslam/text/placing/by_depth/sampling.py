@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
 from lpslam.config import PlacementConfig
+from lpslam.text.placing.views import unit
 from lpslam.text.reading.boxes import along_the_lines, letter_heights
 
 Array = NDArray[np.float64]
@@ -104,8 +105,3 @@ def fit_inverse_depth_plane(
             break
         coefficients = np.linalg.lstsq(rays[inliers], inverse_depths[inliers], rcond=None)[0]
     return coefficients, np.abs(inverse_depths - rays @ coefficients) < config.inverse_depth_band
-
-
-def unit(vector: Array) -> Array:
-    """The vector with length 1."""
-    return vector / np.linalg.norm(vector)
