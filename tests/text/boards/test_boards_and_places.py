@@ -536,14 +536,3 @@ def test_a_line_is_said_to_be_as_sure_as_such_lines_are_right() -> None:
     assert stated[6] <= 1.0
     named, lines = lines_of([replace(place(0, "HARNOW", 0, 0), confidence=0.988)])
     assert named.confidence == lines[0].confidence == stated[5]
-
-
-def test_a_price_below_goods_that_run_down_is_in_their_line() -> None:
-    """Only in their own column, and only where nothing could stand between."""
-    goods = [place(at, name, 0.3 * at, 0.15, width=0.15, height=0.3) for at, name in enumerate(("电视", "冰箱"))]
-    prices = [place(2 + at, "53元", 0.3 * at, 0.52, width=0.15, height=0.4) for at in range(2)]
-    assert {line.text for line in lines_of([*goods, *prices])[1]} == {"电视 53元", "冰箱 53元"}
-    far = replace(prices[0], position=np.array([0.0, 1.2, 3.0]))
-    beside = replace(prices[0], position=np.array([0.15, 0.52, 3.0]))
-    for other in (far, beside):
-        assert {line.text for line in lines_of([goods[0], other])[1]} == {"电视", "53元"}

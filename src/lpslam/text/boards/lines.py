@@ -41,7 +41,7 @@ def lines_of(board: Sequence[Place]) -> tuple[LandmarkLine, list[LandmarkLine]]:
     """The line that a board is called by, and all its lines in the order of reading, top to bottom."""
     reference = _levelled(max(board, key=lambda each: (each.width * each.height, -each.id)), board)
     rows = _in_reading_order(board, reference)
-    joined = _with_prices_below([piece for row in rows for piece in _pieces(row, board, reference)], reference)
+    joined = [pieces for row in rows for pieces in _pieces(row, board, reference)]
     shapes = [_shape(pieces, reference) for pieces in joined]
     main, roles = roles_of(shapes)
     lines = [
@@ -104,35 +104,12 @@ def _pieces(row: Sequence[Place], board: Sequence[Place], reference: Place) -> l
     return lines
 
 
-def _with_prices_below(lines: Sequence[list[Place]], reference: Place) -> list[list[Place]]:
-    """Lines of which those that run down go on with the price that stands below them in their column."""
-    found = list(lines)
-    for price in [each for each in lines if len(each) == 1 and _runs_down(each[0])]:
-        above = [each for each in found if len(each) == 1 and _stands_on(each[0], price[0], reference)]
-        if above:
-            found = [each + price if each is above[0] else each for each in found if each is not price]
-    return found
-
-
-def _stands_on(goods: Place, price: Place, reference: Place) -> bool:
-    """Whether a text that runs down ends right above a price that does, and is in its column."""
-    offset = price.position - goods.position
-    letter = max(goods.letter, price.letter)
-    gap = float(offset @ reference.down) - (goods.height + price.height) / 2.0
-    return (
-        _runs_down(goods)
-        and _is_price_of(goods, price)
-        and abs(float(offset @ reference.baseline)) <= _COLUMN_SHIFT * letter
-        and -letter <= gap <= _WORDS[2] * letter
-    )
-
-
 def _runs_down(place: Place) -> bool:
     return place.width <= _ACROSS * place.height
 
 
 def _is_price_of(goods: Place, price: Place) -> bool:
-    """Whether a text is the price, in a box of its own, of the goods that stand before it in its row or column."""
+    """Whether a text is the price, in a box of its own, of the goods that stand before it in its row."""
     return _ratio(goods, price) <= _WORDS[0] and is_bare_price(price.name) and role_by_form(goods.name) is None
 
 
