@@ -57,7 +57,9 @@ class LocatingConfig(Section):
     min_there_share: float = Field(default=0.5, ge=0, le=1)  # of them, at least, that stand there: most, ...
     looked_for: int = Field(default=400, ge=1)  # points, where it is asked whether something of a place is not there
     looked_together: int = Field(default=20, ge=4)  # of them that stand together: a sign beside a door
-    lacking_sigmas: float = Field(default=6.0, gt=0)  # of shares as they are in a picture, below which they are missing
+    # Times as likely that a group is not there as that it is, over all groups: up to 60,000 at right places, parts of
+    # which light and side make less like than others; from 10^7 on at most look-alikes.
+    lacking_odds: float = Field(default=1e6, gt=1)
     there_lead: float = Field(default=0.1, ge=0, le=1)  # ... unless of another place so much more does
     spread_cells: int = Field(default=4, ge=1)  # rows and columns of the image by which spread is judged ...
     min_spread: int = Field(default=6, ge=1)  # ... and how many of the cells must hold an inlier

@@ -46,27 +46,29 @@ class Looking:
         return at_least(int(is_there.sum()), len(is_there)) - max(located.missing_share, 0.0)
 
     def contradicts(self, gray: NDArray[np.uint8], located: Located) -> bool:
-        """Whether a picture (h, w) shows nearly nothing of points that stand together, and most of all the others.
+        """Whether a picture (h, w) shows nothing of points that stand together, and most of all the others.
 
-        At one end of a corridor a sign hangs beside the door, at the other end none: all else is alike. Chance leaves
-        out a few points here and there; how unlike parts of a place are found at the right pose is taken from the
-        other parts. The caller holds the lock.
+        At one end of a corridor a sign hangs beside the door, at the other end none: all else is alike. Of what is not
+        there, the likest of five places is its own by chance; of what is there, as many as usually in this picture. The
+        first must be more likely by far of some of the groups (a ratio of likelihoods). The caller holds the lock.
         """
         from scipy.spatial import cKDTree
 
         config = self._config
         pixels, is_there = self._asked(gray, located, config.looked_for)
-        if len(is_there) < _GROUPS * config.looked_together:
+        size = config.looked_together
+        if len(is_there) < _GROUPS * size:
             return False
-        _, together = cKDTree(pixels).query(pixels, config.looked_together)
-        shares = is_there[together].mean(axis=1)
-        usual = float(np.median(shares))
-        chance = float(np.sqrt(usual * (1 - usual) / config.looked_together))
-        spread = max(chance, _SIGMAS_OF_MAD * float(np.median(np.abs(shares - usual))))
-        # Of what is not there, the likest of five places is its own by chance.
+        _, together = cKDTree(pixels).query(pixels, size)
+        found = is_there[together].sum(axis=1)
         by_chance = 1 / len(self._steps)
-        nothing = by_chance + _SURE * float(np.sqrt(by_chance * (1 - by_chance) / config.looked_together))
-        return float(shares.min()) <= min(nothing, usual - config.lacking_sigmas * spread)
+        # Half a point more may always be missing: of a few hundred none is certain.
+        usual = min(float(np.median(found)) / size, 1 - 0.5 / size)
+        least = int(found.min())
+        if usual <= by_chance or least >= size * usual:
+            return False
+        gain = least * np.log(by_chance / usual) + (size - least) * np.log((1 - by_chance) / (1 - usual))
+        return bool(gain >= np.log(config.lacking_odds * len(is_there) / size))
 
     def _asked(
         self, gray: NDArray[np.uint8], located: Located, most: int
@@ -107,9 +109,3 @@ _LEAST_BESIDE = 2
 
 _GROUPS = 4
 """Of points that stand together that there must be, to say what is usual."""
-
-_SURE = 1.64
-"""Sigmas of a share that stands for nothing: one in twenty of such groups shows more."""
-
-_SIGMAS_OF_MAD = 1.4826
-"""Sigmas of a normal spread in one median deviation."""
