@@ -233,6 +233,18 @@ def test_lines_on_different_grounds_are_two_boards() -> None:
     assert len(boards(on_two, InstanceConfig())) == 2
 
 
+@pytest.mark.parametrize("lines", [1, 2, 6])
+def test_boards_of_many_lines_on_different_grounds_are_two_however_many(lines: int) -> None:
+    """Lines at the far ends are too far apart to be compared; they say nothing for one board."""
+    white, green = dict.fromkeys(range(9), (230, 230, 230)), dict.fromkeys(range(9), (90, 200, 90))
+    left = [place(1000 * k, f"LEFT {k}", -0.52 - 1.04 * k, 0.0) for k in range(lines)]
+    right = [place(100_000 + 1000 * k, f"RIGHT {k}", 0.52 + 1.04 * k, 0.0) for k in range(lines)]
+    painted = [replace(each, grounds_by_frame=white) for each in left]
+    painted += [replace(each, grounds_by_frame=green) for each in right]
+    found = [{each.name for each in group} for group in boards(painted, CONFIG)]
+    assert found == [{each.name for each in left}, {each.name for each in right}]
+
+
 @pytest.mark.parametrize(
     ("height", "name", "ink", "sheets"),
     [

@@ -16,14 +16,19 @@ from small_maps import small_map
 
 
 def plainly(links: np.ndarray[Any, Any], divides: np.ndarray[Any, Any]) -> list[list[int]]:
-    """The definition: of all pairs of groups the likeliest become one, until none is likely."""
+    """The definition: of all pairs of groups the likeliest become one, until none is likely.
+
+    What divides counts of pairs that were compared; the others have no number.
+    """
+
+    def score(first: list[int], second: list[int]) -> float:
+        divided = divides[np.ix_(first, second)]
+        compared = divided[~np.isnan(divided)]
+        return float(links[np.ix_(first, second)].max() + compared.mean()) if len(compared) else -np.inf
+
     groups = [[each] for each in range(len(links))]
     while len(groups) > 1:
-        scores = {
-            (a, b): float(links[np.ix_(groups[a], groups[b])].max() + divides[np.ix_(groups[a], groups[b])].mean())
-            for a in range(len(groups))
-            for b in range(a)
-        }
+        scores = {(a, b): score(groups[a], groups[b]) for a in range(len(groups)) for b in range(a)}
         (a, b), best = max(scores.items(), key=lambda each: each[1])
         if best <= 0.0:
             break
@@ -41,7 +46,7 @@ def test_the_groups_are_those_of_the_definition(seed: int, monkeypatch: pytest.M
     assert 0 < near.sum() < count * (count - 1)
     values = np.round(rng.normal(0.0, 1.5, (count, count)), int(seed % 3))
     links = np.where(near, np.maximum(values, values.T), -np.inf)
-    divides = np.where(near, np.minimum(0.0, values + values.T) / 4.0, 0.0)
+    divides = np.where(near, np.minimum(0.0, values + values.T) / 4.0, np.nan)
 
     def kin(first: Any, second: Any) -> SimpleNamespace:
         a, b = row[id(first)], row[id(second)]

@@ -1,8 +1,8 @@
 """Texts of one board are one landmark: a name, its slogan, a telephone number and what is on the menu.
 
 Two groups become one while they are more probably one board than two. What links them is said by their best pair of
-neighbours; what divides them by all pairs, so that no row of weak links joins what stands on different grounds. A
-number or an address by itself is some board's.
+neighbours; what divides them by all pairs that were compared, so that no row of weak links joins what stands on
+different grounds, however many lines it has. A number or an address by itself is some board's.
 """
 
 import heapq
@@ -54,7 +54,7 @@ def boards(places: Sequence[Place], config: InstanceConfig) -> list[list[Place]]
 
 
 class _Kin:
-    """What speaks for pairs of places to be one board, and against it; of the other pairs nothing does.
+    """What speaks for pairs of places to be one board, and against it; the other pairs are too far apart to tell.
 
     Attributes:
         linked: rows of places that are linked with one, by its row.
@@ -78,11 +78,11 @@ class _Kin:
 
     def between(self, first: list[int], second: list[int]) -> float:
         """Log odds of two groups to be one: the best link, what divides on average, and by their largest lines."""
-        pairs = [[(max(a, b), min(a, b)) for b in second] for a in first]
-        link = max(self._link.get(pair, -np.inf) for row in pairs for pair in row)
-        divide = np.array([[self._divide.get(pair, 0.0) for pair in row] for row in pairs])
+        pairs = [(max(a, b), min(a, b)) for a in first for b in second]
+        link = max(self._link.get(pair, -np.inf) for pair in pairs)
+        divide = float(np.mean([self._divide[pair] for pair in pairs if pair in self._divide]))
         a, b = (max(group, key=self._letters.__getitem__) for group in (first, second))
-        return float(link + divide.mean() + self._names_apart.get((max(a, b), min(a, b)), 0.0))
+        return link + divide + self._names_apart.get((max(a, b), min(a, b)), 0.0)
 
 
 def _pairs_in_reach(places: Sequence[Place], config: InstanceConfig) -> list[tuple[int, int]]:
