@@ -20,6 +20,7 @@ SCHOOL = ("报告厅 明德厅", "琵琶教室", "书画室", "医务室")
         ("Where is Sazanami Tei?", INN, INN[1]),
         ("はくちょうで会議があります", INN, INN[2]),
         ("げっこうかくに行きたい", INN, INN[4]),
+        ("ゆきみのゆはどちらですか", ("", *INN), INN[0]),  # a board may say nothing
         ("枇杷教室在哪里", SCHOOL, SCHOOL[1]),
         ("明得厅怎么走", SCHOOL, SCHOOL[0]),
     ],

@@ -215,8 +215,7 @@ class Names:
 
     @cached_property
     def _heard(self) -> HeardNames:
-        # Of a board's lines the first is its name.
-        names = {id_: lines[0] for id_, lines in self._words.items() if lines}
+        names = self._firsts
 
         def made() -> Sounds:
             return beginning((line.latin, line.in_order, tuple(map(_latin, line.runs))) for line in names.values())
@@ -224,17 +223,21 @@ class Names:
         texts = (line.text for line in names.values())
         return HeardNames(list(names), kept_of_boards("sounds", len(names), texts, made))
 
+    @cached_property
+    def _firsts(self) -> dict[int, Words]:
+        """Of each board's lines the first, which is its name; a board may say nothing."""
+        return {id_: lines[0] for id_, lines in self._words.items() if lines}
+
     def aloud(self, text: str) -> dict[int, float]:
         """Return the one landmark whose name a text spells by its sound alone: ほしあかり, 星あかり."""
         found = named_aloud(text, self._aloud)
-        return {id_: 1.0 for at, id_ in enumerate(self._words) if at in found} if found else {}
+        return {id_: 1.0 for at, id_ in enumerate(self._firsts) if at in found} if found else {}
 
     @cached_property
     def _aloud(self) -> AloudSounds:
-        names = [lines[0] for lines in self._words.values()]
-        texts = [line.text for line in names]
+        texts = [line.text for line in self._firsts.values()]
         runs = map(UNSPACED_RUN.findall, texts)
-        return dict(kept_of_boards("aloud", len(names), texts, lambda: sounds_of(runs)))
+        return dict(kept_of_boards("aloud", len(texts), texts, lambda: sounds_of(runs)))
 
     def persons(self, name: str) -> list[int]:
         """Landmarks whose board bears a person's name: all words of it, the surname in another script, or its sound."""
