@@ -3,6 +3,7 @@
 A question spells such a name by its sound, in kana, in Latin letters, or in other characters of that sound.
 """
 
+import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
@@ -51,15 +52,14 @@ def _readings() -> Mapping[str, tuple[str, ...]]:
 
 def _spoken(run: str) -> Iterator[str]:
     """How a name of kana and Chinese characters may sound in Japanese."""
-    parts = [_readings().get(each) or (anyascii(each).casefold(),) for each in run]
-    count = 1
-    for each in parts:
-        count *= len(each)
-    return (_heard("".join(each)) for each in product(*parts)) if count <= _MOST_READINGS else iter(())
+    parts = [_readings().get(each) or (said,) for each, said in zip(run, _syllables(run), strict=True)]
+    is_short = math.prod(map(len, parts)) <= _MOST_READINGS
+    return (_heard("".join(each)) for each in product(*parts)) if is_short else iter(())
 
 
-def _pinyin(run: str) -> str:
-    return " ".join(anyascii(each).casefold() for each in run)
+def _syllables(run: str) -> list[str]:
+    """How each character is said in Chinese, kana in Japanese."""
+    return [anyascii(each).casefold() for each in run]
 
 
 def sounds_of(names: Iterable[Sequence[str]]) -> Sounds:
@@ -69,24 +69,28 @@ def sounds_of(names: Iterable[Sequence[str]]) -> Sounds:
     found: Sounds = {}
     for at, runs in enumerate(every):
         for run in filter(_HAN.search, runs):
-            for sound in {_pinyin(run), *(_spoken(run) if is_japanese else ())}:
+            for sound in {" ".join(_syllables(run)), *(_spoken(run) if is_japanese else ())}:
                 found.setdefault(sound, []).append((at, run))
     return found
 
 
 def named_aloud(text: str, sounds: Sounds) -> set[int]:
     """Return the one name, else none, that a text spells by its sound; the longest where there are more."""
+    if not sounds:
+        return set()
     said: set[str] = set()
-    for hit in _SAID_IN_KANA.finditer(text) if sounds else ():
+    for hit in _SAID_IN_KANA.finditer(text):
         run = hit.group(1)[:_MOST_LETTERS]
         said |= {_in_latin(run[:end]) for end in range(3, len(run) + 1)}
-    words = _WORD.findall(text) if sounds else []
+    words = _WORD.findall(text)
     said |= {_in_latin("".join(words[part])) for part in _parts(len(words), 1, _MOST_WORDS)}
     by_sound = {key: sounds[key] for key in said if len(key) >= _FEWEST_LETTERS and key in sounds}
     for hit in _SAID_IN_HAN.finditer(text):
-        for part in map(hit.group().__getitem__, _parts(len(hit.group()), 2)):
-            alike = [(at, run) for at, run in sounds.get(_pinyin(part), ()) if _is_nearly(part, run)]
-            by_sound |= {_pinyin(part): alike} if alike else {}
+        syllables = _syllables(hit.group())
+        for part in _parts(len(syllables), 2):
+            sound = " ".join(syllables[part])
+            alike = [(at, run) for at, run in sounds.get(sound, ()) if _is_nearly(hit.group()[part], run)]
+            by_sound |= {sound: alike} if alike else {}
     longest = max(map(len, by_sound), default=0)
     found = {at for key, names in by_sound.items() if len(key) == longest for at, _ in names}
     return found if len(found) == 1 else set()

@@ -1,6 +1,5 @@
 """Files of arrays: numpy's `.npy`, `.npz`, HDF5 (extra `arrays`), MATLAB's `.mat`, TIFF. None of them is executed."""
 
-import math
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -24,6 +23,7 @@ from lpslam.sources.captures.holders.stacks import (
     Stack,
     combined,
     is_picture,
+    numbers_in,
     stacks_of,
 )
 from lpslam.sources.clocks import in_seconds
@@ -185,7 +185,7 @@ def _of_numpy(path: Path) -> Iterator[Entry]:
             if kind.hasobject:
                 # Objects are a program that would run.
                 continue
-            is_large = math.prod(float(side) for side in shape) * kind.itemsize > _IN_MEMORY
+            is_large = numbers_in(shape) * kind.itemsize > _IN_MEMORY
 
             def load(name: str = name, is_large: bool = is_large) -> NDArray[Any]:
                 if is_large:
@@ -255,7 +255,7 @@ def _of_matlab(path: Path) -> Iterator[Entry]:
     for name, shape, kind in listed:
         if kind not in kinds:
             continue
-        whole += math.prod(float(side) for side in shape) * np.dtype(kinds[kind]).itemsize
+        whole += numbers_in(shape) * np.dtype(kinds[kind]).itemsize
         if whole > MOST_BYTES:
             raise UserError(
                 f"{path}: its arrays unpack to more than {MOST_BYTES >> 30} GB; save them as .npy, or as pictures"
@@ -319,7 +319,7 @@ def _tree(small: Sequence[Entry]) -> Tree:
 
 
 def _value(entry: Entry) -> Any:
-    size = int(np.prod(entry.shape, dtype=float)) if entry.shape else 1
+    size = numbers_in(entry.shape)
     is_of_each = len(entry.shape) == 3 and max(entry.shape[1:]) <= 4 and size <= _MOST_NUMBERS
     if (size > _SMALL and not is_of_each) or entry.bits > _LONGEST_TEXT:
         return None

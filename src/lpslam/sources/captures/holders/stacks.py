@@ -31,6 +31,11 @@ MOST_BYTES = 1 << 32
 """Of what is kept in memory as a whole."""
 
 
+def numbers_in(shape: Sequence[int]) -> float:
+    """How many numbers an array states that it has; more than any integer holds, where it lies."""
+    return math.prod(float(side) for side in shape)
+
+
 @dataclass(frozen=True, slots=True)
 class Entry:
     """An array of a file, of which parts can be read.
@@ -82,7 +87,7 @@ class Stack:
     def _refuse_large(self) -> None:
         """Raise a `UserError` where pictures are too many or too large, as the array states it, which may be a lie."""
         refuse_many(self.path, self._count)
-        numbers = math.prod(float(side) for side in self._oriented_shape)
+        numbers = numbers_in(self._entry.shape)
         if not self._entry.is_encoded and numbers > _MOST_NUMBERS * max(self._count, 1):
             raise UserError(f"{self.path}: its pictures are {TOO_LARGE}")
         if self._is_read_whole and numbers * self._entry.bits / 8 > MOST_BYTES:

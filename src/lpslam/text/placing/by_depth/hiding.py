@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from lpslam.camera import PinholeCamera, inverse_transform, transform_points
 from lpslam.config import PlacementConfig
 from lpslam.text.placing.by_depth.sampling import Array, depths_inside, grown
-from lpslam.text.placing.views import unit
+from lpslam.text.placing.views import sides_of, unit
 from lpslam.text.reading.borders import goes_on
 from lpslam.text.reading.boxes import along_the_lines
 from lpslam.text.types import Placement
@@ -56,7 +56,7 @@ def _ends_at_something_near(line: Array, depth: NDArray[np.float32], config: Pla
 
     At one end there is depth, and around the other half of the text there is none.
     """
-    middle, along = line.mean(axis=0), unit(line[1] + line[2] - line[0] - line[3])
+    middle, along = line.mean(axis=0), unit(sides_of(line)[0])
     pixels, _, _ = depths_inside(grown(line, config.surroundings), depth, config)
     sides = (pixels - middle) @ along
     for strip, is_other_half in zip(_beyond_ends(line), (sides > 0.0, sides < 0.0), strict=True):

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
 from lpslam.config import PlacementConfig
-from lpslam.text.placing.views import unit
+from lpslam.text.placing.views import sides_of, unit
 from lpslam.text.reading.boxes import along_the_lines, letter_heights
 
 Array = NDArray[np.float64]
@@ -44,9 +44,7 @@ def points_inside(
 
 def grown(box: Array, share: float) -> Array:
     """The box (4, 2) with so large a share of its letters' height added on every side."""
-    top_left, top_right, bottom_right, bottom_left = box
-    along = unit(top_right + bottom_right - top_left - bottom_left)
-    across = unit(bottom_left + bottom_right - top_left - top_right)
+    along, across = map(unit, sides_of(box))
     outwards = np.array([-along - across, along - across, along + across, across - along])
     return np.asarray(box + share * float(letter_heights(box[None])[0]) * outwards, dtype=np.float64)
 
@@ -57,8 +55,8 @@ def covered_share(box: Array, pixels: Array, area: int, config: PlacementConfig)
     Of a text beyond the sensor's reach, whoever walks by has all the depth: on a few letters, and not on the rest.
     """
     line = along_the_lines(box[None])[0]
-    along = line[1] + line[2] - line[0] - line[3]
-    length = float(np.linalg.norm(along)) / 2.0
+    along, _ = sides_of(line)
+    length = float(np.linalg.norm(along))
     parts = max(_FEWEST_PARTS, round(_PARTS_OF_A_LETTER * length / max(float(letter_heights(box[None])[0]), 1.0)))
     at = (pixels - line.mean(axis=0)) @ unit(along) / (config.inner_share * length) + 0.5
     counts = np.bincount(np.clip((at * parts).astype(int), 0, parts - 1), minlength=parts)
